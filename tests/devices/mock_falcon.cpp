@@ -91,6 +91,7 @@ MockFalcon::MockFalcon(MockBed& bed, int number, std::string serial)
 MockFalcon::~MockFalcon() {
     g_signal_handlers_disconnect_by_data(base_, this);
     g_object_unref(base_);
+    for (UMockdevIoctlClient* client : held_) g_object_unref(client);
     for (const Urb& urb : pending_in_) forget(urb);
     for (const Urb& urb : done_) forget(urb);
     close(fifo_);
@@ -113,7 +114,10 @@ int MockFalcon::on_ioctl(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* clien
     // the time of the USB: one that answered at once would keep the processor.
     static thread_local const std::string refusal = ask_for_realtime({});
     if (umockdev_ioctl_client_get_request(client) == USBDEVFS_SUBMITURB) wall_sleep(kTransfer);
-    return static_cast<MockFalcon*>(self)->serve(client);
+    auto& mock = *static_cast<MockFalcon*>(self);
+    // umockdev 0.17 forgets a client that is served while another one dies.
+    if (mock.held_.insert(client).second) g_object_ref(client);
+    return mock.serve(client);
 }
 
 // A kernel ends the transfers of a program that has died.
@@ -146,6 +150,7 @@ int MockFalcon::serve(UMockdevIoctlClient* client) {
             const std::uint32_t can = USBDEVFS_CAP_ZERO_PACKET | USBDEVFS_CAP_BULK_CONTINUATION |
                                       USBDEVFS_CAP_NO_PACKET_SIZE_LIM | USBDEVFS_CAP_REAP_AFTER_DISCONNECT;
             UMockdevIoctlData* data = umockdev_ioctl_data_resolve(argument, 0, sizeof can, nullptr);
+            if (data == nullptr) return answer(EFAULT);
             put_number(data, 0, can);
             g_object_unref(data);
             return answer(0);
@@ -159,8 +164,7 @@ int MockFalcon::serve(UMockdevIoctlClient* client) {
         case USBDEVFS_SETCONFIGURATION:
             return answer(0);
         case USBDEVFS_SUBMITURB:
-            submit(client);
-            return answer(0);
+            return answer(submit(client) ? 0 : EFAULT);
         case USBDEVFS_DISCARDURB:
             return answer(discard(argument) ? 0 : EINVAL);
         case USBDEVFS_REAPURBNDELAY:
@@ -171,19 +175,28 @@ int MockFalcon::serve(UMockdevIoctlClient* client) {
     }
 }
 
-void MockFalcon::submit(UMockdevIoctlClient* client) {
+// False: the program has died meanwhile, and its memory with it.
+bool MockFalcon::submit(UMockdevIoctlClient* client) {
     UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
     Urb urb;
     urb.client = client;
     urb.address = *reinterpret_cast<const std::uint64_t*>(argument->data);
     urb.urb = umockdev_ioctl_data_resolve(argument, 0, sizeof(usbdevfs_urb), nullptr);
+    if (urb.urb == nullptr) return false;
     const auto& asked = *reinterpret_cast<const usbdevfs_urb*>(urb.urb->data);
     const int length = asked.buffer_length;
     if (length > 0) {
         urb.buffer = umockdev_ioctl_data_resolve(urb.urb, offsetof(usbdevfs_urb, buffer),
                                                  static_cast<gsize>(length), nullptr);
+        if (urb.buffer == nullptr) {
+            forget(urb);
+            return false;
+        }
     }
-    if (asked.type == USBDEVFS_URB_TYPE_CONTROL) return control(urb);
+    if (asked.type == USBDEVFS_URB_TYPE_CONTROL) {
+        control(urb);
+        return true;
+    }
     if (asked.endpoint == 0x02) {
         emulator_.receive({urb.buffer->data, static_cast<std::size_t>(length)});
         finish(urb, 0, {}, 0, length);
@@ -191,6 +204,7 @@ void MockFalcon::submit(UMockdevIoctlClient* client) {
         pending_in_.push_back(urb);
     }
     feed(client);
+    return true;
 }
 
 void MockFalcon::control(Urb urb) {
@@ -239,6 +253,7 @@ bool MockFalcon::reap(UMockdevIoctlClient* client) {
     if (urb == done_.end()) return false;
     UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
     UMockdevIoctlData* place = umockdev_ioctl_data_resolve(argument, 0, sizeof(void*), nullptr);
+    if (place == nullptr) return false;
     umockdev_ioctl_data_set_ptr(place, 0, urb->urb);
     g_object_unref(place);
     forget(*urb);

@@ -7,6 +7,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,7 @@ class MockFalcon {
     static void on_vanished(UMockdevIoctlBase* base, UMockdevIoctlClient* client, void* self);
     static int on_ioctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client, void* self);
     int serve(UMockdevIoctlClient* client);
-    void submit(UMockdevIoctlClient* client);
+    bool submit(UMockdevIoctlClient* client);
     void control(Urb urb);
     void finish(Urb urb, int status, const std::vector<std::uint8_t>& data, std::size_t offset, int length);
     bool discard(UMockdevIoctlData* argument);
@@ -60,6 +61,7 @@ class MockFalcon {
     bool busy_ = false;
     std::list<Urb> pending_in_;
     std::deque<Urb> done_;
+    std::set<UMockdevIoctlClient*> held_;
 };
 
 }  // namespace thimble
