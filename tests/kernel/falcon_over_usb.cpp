@@ -1,5 +1,6 @@
 // The Falcon's driver over a real kernel's USB, with an emulated device plugged into vhci_hcd: absent, found, forbidden, loaded, read and pushed for
-// two seconds, unplugged. It prints each difference, and the exit code is 1. For the kernel lane, as root.
+// two seconds, its master and its guardian killed and stopped, unplugged. It prints each difference, and the exit code is 1. For the kernel lane, as root.
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -25,6 +26,7 @@ using std::chrono::seconds;
 
 constexpr double kLimit_N = 8;
 constexpr std::size_t kImageBytes = 8000;
+const RuntimeSettings kPlain{false};  // the emulated device has no processor of its own
 int complaints = 0;
 
 void expect(bool good, const std::string& what) {
@@ -35,7 +37,7 @@ void expect(bool good, const std::string& what) {
 
 std::string refusal(const FalconSettings& settings) {
     try {
-        open_falcon(settings, kLimit_N, {});
+        open_falcon(settings, kLimit_N, kPlain);
     } catch (const Error& error) {
         return error.what();
     }
@@ -115,6 +117,42 @@ void read_and_push(Handle& handle, VhciFalcon& falcon) {
            fmt::format("the motors push outwards: {} {} {}", motors[0], motors[1], motors[2]));
 }
 
+bool pushes(VhciFalcon& falcon) {
+    return falcon.with([](FalconEmulator& device) { return device.commanded.motors[0] != 0; });
+}
+
+// A master with a force at the handle, in a process of its own.
+[[noreturn]] void push_for_ever() {
+    FalconGuardian guardian({}, kPlain, "/proc/self/exe");
+    for (;; wall_sleep(milliseconds{1})) guardian.mailbox().command({500, 0, 0});
+}
+
+void lose_the_master(VhciFalcon& falcon, int number) {
+    const pid_t master = fork();
+    if (master == 0) push_for_ever();
+    expect(comes([&] { return pushes(falcon); }, seconds{5}), "another process pushes");
+    const SessionTime lost = wall_now();
+    kill(master, number);
+    const bool gone = comes([&] { return !pushes(falcon); }, seconds{1});
+    const Duration after = wall_now() - lost;
+    expect(gone && after < milliseconds{100},
+           fmt::format("master gets signal {}: no force after {:.1f} ms", number, 1000 * to_seconds(after)));
+    kill(master, SIGKILL);
+    waitpid(master, nullptr, 0);
+    wall_sleep(milliseconds{200});  // its guardian ends
+}
+
+void lose_the_guardian(VhciFalcon& falcon, int number) {
+    FalconGuardian guardian({}, kPlain, "/proc/self/exe");
+    const auto push = [&] { guardian.mailbox().command({500, 0, 0}); };
+    expect(comes([&] { return push(), pushes(falcon); }, seconds{5}), "a guardian pushes");
+    const SessionTime lost = wall_now();
+    kill(guardian.pid(), number);
+    const bool gone = comes([&] { return push(), !pushes(falcon); }, seconds{2});
+    expect(gone, fmt::format("guardian gets signal {}: no force after {:.1f} ms", number,
+                             1000 * to_seconds(wall_now() - lost)));
+}
+
 void unplug_in_trial(Handle& handle, VhciFalcon& falcon) {
     const SessionTime unplugged = wall_now();
     falcon.unplug();
@@ -135,11 +173,19 @@ void run() {
     expect(kernel_has_it(), "the kernel has found it");
     forbidden_to_nobody();
     expect(refusal({}).find("has no firmware") != std::string::npos, "unloaded: " + refusal({}));
-    const auto handle = open_falcon(with_firmware(), kLimit_N, {});
+    auto handle = open_falcon(with_firmware(), kLimit_N, kPlain);
     expect(falcon.with([](FalconEmulator& device) { return device.running; }), "firmware loaded");
     expect(comes([&] { return handle->fault().empty(); }, seconds{1}), "and homed");
     expect(refusal({}).find("another program has it") != std::string::npos, "busy: " + refusal({}));
     read_and_push(*handle, falcon);
+    handle.reset();
+    for (const int number : {SIGKILL, SIGSTOP}) {
+        lose_the_master(falcon, number);
+        lose_the_guardian(falcon, number);
+    }
+    handle = open_falcon({}, kLimit_N, kPlain);
+    expect(comes([&] { return handle->fault().empty(); }, seconds{1}), "and is there again");
+    handle->enable_force(wall_now(), true);
     unplug_in_trial(*handle, falcon);
 }
 
