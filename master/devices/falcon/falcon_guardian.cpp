@@ -9,14 +9,15 @@
 #include <span>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/runtime/node_program.hpp"
 #include "common/runtime/realtime_loop.hpp"
-#include "common/runtime/standard_streams.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "master/devices/falcon/falcon_exchange.hpp"
 #include "master/devices/falcon/falcon_usb.hpp"
@@ -98,9 +99,11 @@ FalconPageMemory::FalconPageMemory(int descriptor)
 FalconPageMemory::~FalconPageMemory() { munmap(page_, sizeof *page_); }
 
 void* FalconPageMemory::map() {
+    struct stat file {};
+    const bool whole = fstat(file_.get(), &file) == 0 && file.st_size == sizeof(FalconPage);
     void* const memory =
         mmap(nullptr, sizeof(FalconPage), PROT_READ | PROT_WRITE, MAP_SHARED, file_.get(), 0);
-    if (memory == MAP_FAILED)
+    if (!whole || memory == MAP_FAILED)
         throw Error(ExitCode::kUsage,
                     "no master at standard input: thimble-master starts this process itself");
     return memory;
@@ -155,14 +158,12 @@ void FalconGuardian::watch() {
     }
 }
 
-std::optional<int> run_falcon_guardian(int argc, char** argv) {
-    const std::span words(argv, static_cast<std::size_t>(argc));
-    if (argc < 2 || std::string_view(words[1]) != kFalconGuardian) return std::nullopt;
-    outlive_signals();
-    prctl(PR_SET_NAME, "falcon-guardian", 0UL, 0UL, 0UL);
-    open_standard_descriptors();
-    log_to_stderr("falcon-guardian");
-    if (argc != kWords || isatty(STDIN_FILENO) == 1) return static_cast<int>(ExitCode::kUsage);
+namespace {
+
+int guard_falcon(std::span<char* const> words) {
+    if (words.size() != kWords)
+        throw Error(ExitCode::kUsage, "{} is no option: thimble-master starts this process itself",
+                    kFalconGuardian);
     FalconPageMemory memory(STDIN_FILENO);
     FalconSettings settings;
     settings.serial = words[2];
@@ -174,11 +175,21 @@ std::optional<int> run_falcon_guardian(int argc, char** argv) {
     try {
         guard(memory.page(), settings, runtime);
         return static_cast<int>(ExitCode::kOk);
-    } catch (const Error& error) {
+    } catch (const Error& error) {  // the master reports it
         memory.page().code = error.code();
         say(memory.page(), FalconPage::State::kFailed, error.what());
         return static_cast<int>(error.code());
     }
+}
+
+}  // namespace
+
+std::optional<int> run_falcon_guardian(int argc, char** argv) {
+    const std::span<char* const> words(argv, static_cast<std::size_t>(argc));
+    if (argc < 2 || std::string_view(words[1]) != kFalconGuardian) return std::nullopt;
+    outlive_signals();
+    prctl(PR_SET_NAME, "falcon-guardian", 0UL, 0UL, 0UL);
+    return guarded_main("falcon-guardian", [&] { return guard_falcon(words); });
 }
 
 }  // namespace thimble

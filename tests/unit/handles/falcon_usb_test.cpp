@@ -112,6 +112,15 @@ TEST_F(FalconUsb, AGuardianThatIsKilledOrStoppedLeavesNoForce) {
     }
 }
 
+TEST(FalconGuardian, IsStartedByTheMasterAlone) {
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{kFalconGuardian}, {kFalconGuardian, "", "", "", "0"}}) {
+        const ProgramResult result = run_program(THIMBLE_MASTER_FILE, words, "", "");
+        EXPECT_EQ(result.exit_code, 2);
+        EXPECT_THAT(result.output, HasSubstr("thimble-master starts this process itself"));
+    }
+}
+
 TEST_F(FalconUsb, TellsAbsentFromBusyAndOneFromTwo) {
     EXPECT_EQ(look_for_usb(0x0403, 0xcb48).presence, UsbPresence::kAbsent);
     EXPECT_THAT(why_not(), HasSubstr("no Novint Falcon is on the USB"));
