@@ -86,7 +86,7 @@ TEST_F(FalconProgram, AMasterThatIsKilledOrStoppedLeavesNoForce) {
         LoneNode node("thimble-master", tables(""));
         ASSERT_TRUE(node.ready()) << node.words();
         PlayedSession session(node, Role::kMaster, Modality::kHF);
-        OutboundFlow slave(Role::kSlaveSim, 7, {node.peers().outlet(Port::kNetemForceMaster)});
+        OutboundFlow slave(Role::kSlaveSim, 7, {node.peers().outlet(Port::kMasterForce)});
         const auto push = [&](SessionTime now) {
             ForceFeedback feedback;
             feedback.force_total_N = -2;
