@@ -1,5 +1,6 @@
 // `thimble run` with real processes on "machines" that are shells of this one, reached as ssh would reach them
 // (fake_ssh.sh). However a session ends, no process and no file is left behind.
+#include <array>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -150,14 +151,20 @@ TEST_F(OtherMachines, NodesEndByThemselvesWhenTheLauncherFallsSilent) {
     expect_nothing_left(run);
 }
 
-// thimble waits for a log that comes slowly, until a signal tells it to end.
-TEST_F(OtherMachines, ASignalEndsTheWaitForAMachinesLastWords) {
+// thimble waits for logs that come slowly, for all at once, until a signal tells it to end.
+TEST_F(OtherMachines, ASignalEndsTheWaitForTheMachinesLastWords) {
     SessionFile session;
     session.modalities = R"(["CF"])";
-    session.more = kShared + "machine_netem = 'trickling'\n";
+    session.more = kShared + "machine_netem = 'trickling'\nmachine_visual = 'trickling'\n";
     RealRun run = start(session);
-    const auto log = run.out() / "nodes/thimble-netem_0ms.mcap";
-    ASSERT_TRUE(wait_until([&] { return fs::exists(log) || run.launcher().poll(); })) << run.words();
+    const std::array<fs::path, 2> logs{run.out() / "nodes/thimble-netem_0ms.mcap",
+                                       run.out() / "nodes/thimble-visual_0ms.mcap"};
+    const auto exist = [&] { return fs::exists(logs[0]) && fs::exists(logs[1]); };
+    ASSERT_TRUE(wait_until([&] { return exist() || run.launcher().poll(); })) << run.words();
+    for (const fs::path& log : logs) {
+        const auto before = fs::file_size(log);
+        EXPECT_TRUE(wait_until([&] { return fs::file_size(log) > before + 50; })) << log;
+    }
     run.launcher().signal(SIGTERM);
     EXPECT_EQ(run.end(), 1) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("of its 100000000 bytes"));
