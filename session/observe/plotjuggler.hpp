@@ -60,13 +60,13 @@ inline Endpoint plotjuggler_at(const std::string& text, const NetworkSettings& n
     return to;
 }
 
-// Sits beside a session and sends what it shows, undelayed and with the fixture. Reads only; what cannot be sent is lost.
-class PlotJugglerFeed final : public Process {
+// Sits beside a session and sends its state, undelayed and with the fixture. Reads only; a datagram that cannot be sent is lost.
+class PlotJugglerFeed final : public Observer {
   public:
     // `session` outlives the feed. `ahead`: of 1970's clock, of the session's. `other`, which may be null, is
     // called before it. Throws Error (network) if the host is unknown.
     PlotJugglerFeed(const Endpoint& to, const SessionProcess& session, Duration ahead, std::string condition,
-                    std::unique_ptr<Process> other = nullptr)
+                    std::unique_ptr<Observer> other = nullptr)
         : channel_(std::nullopt, to),
           session_(&session),
           ahead_(ahead),
@@ -77,10 +77,16 @@ class PlotJugglerFeed final : public Process {
         if (other_) other_->tick(now);
         if (now < next_) return;
         next_ = std::max(next_ + kPlotJugglerPeriod, now + kPlotJugglerPeriod / 2);
-        const Monitor monitor = make_monitor(now, *session_, {});
+        const Monitor monitor = make_monitor(now - session_ahead_, *session_, {});
         const std::string text = plotjuggler_json(to_seconds(now + ahead_ - SessionTime{}), condition_,
                                                   session_->number(), monitor);
         channel_.send({static_cast<const std::uint8_t*>(static_cast<const void*>(text.data())), text.size()});
+    }
+
+    void serve(const SessionProcess& session, Duration ahead) override {
+        session_ = &session;
+        session_ahead_ = ahead;
+        if (other_) other_->serve(session, ahead);
     }
 
     SessionTime next_wakeup() const override {
@@ -93,14 +99,15 @@ class PlotJugglerFeed final : public Process {
     const SessionProcess* session_;
     Duration ahead_;
     std::string condition_;
-    std::unique_ptr<Process> other_;
+    std::unique_ptr<Observer> other_;
+    Duration session_ahead_{};  // as in serve()
     SessionTime next_{};
 };
 
 // `other`, which may be none, and beside it a feed to `to`.
 inline MakeObserver with_plotjuggler(MakeObserver other, const Endpoint& to) {
     return [other = std::move(other), to](SessionProcess& session, Sockets& sockets,
-                                          const std::string& condition) -> std::unique_ptr<Process> {
+                                          const std::string& condition) -> std::unique_ptr<Observer> {
         const ClockPair clocks = read_clock_pair();
         const Duration ahead{clocks.realtime_ns - to_nanoseconds(clocks.before)};
         return std::make_unique<PlotJugglerFeed>(to, session, ahead, condition,

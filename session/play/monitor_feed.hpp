@@ -86,7 +86,13 @@ class MonitorFeed {
         say_fault(now);
         if (now < next_) return;
         next_ = std::max(next_ + kMonitorPeriod, now + kMonitorPeriod / 2);
-        flow_.send(now, session_->number(), make_monitor(now, *session_, context));
+        flow_.send(now, session_->number(), make_monitor(now - ahead_, *session_, context));
+    }
+
+    // As Observer::serve().
+    void serve(const SessionProcess& session, Duration ahead) {
+        session_ = &session;
+        ahead_ = ahead;
     }
 
     SessionTime next_wakeup() const { return next_; }
@@ -104,6 +110,7 @@ class MonitorFeed {
     }
 
     const SessionProcess* session_;
+    Duration ahead_{};
     SessionTime next_{}, next_fault_{};
     bool faulty_ = false;
 };

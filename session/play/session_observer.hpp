@@ -13,6 +13,7 @@
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "session/play/monitor_feed.hpp"
+#include "session/run/condition_plan.hpp"
 
 namespace thimble {
 
@@ -93,7 +94,7 @@ struct ViewChannels {
     Channel* player_orders;
 };
 
-class SessionObserver final : public Process {
+class SessionObserver final : public Observer {
   public:
     // All outlive the observer; `context` is read at each Monitor.
     SessionObserver(std::uint64_t instance, const SessionProcess& session, const ViewChannels& channels,
@@ -108,6 +109,11 @@ class SessionObserver final : public Process {
         experimenter_.tick(now, session_->number());
         player_.tick(now, session_->number());
         feed_.tick(now, *context_);
+    }
+
+    void serve(const SessionProcess& session, Duration ahead) override {
+        session_ = &session;
+        feed_.serve(session, ahead);
     }
 
     SessionTime next_wakeup() const override { return feed_.next_wakeup(); }
@@ -127,8 +133,8 @@ inline ViewChannels open_view_channels(Sockets& sockets) {
     return {experimenter, experimenter, player, player};
 }
 
-inline std::unique_ptr<Process> make_observer(const SessionProcess& session, Sockets& sockets,
-                                              OrderHandler& handler, const MonitorContext& context) {
+inline std::unique_ptr<Observer> make_observer(const SessionProcess& session, Sockets& sockets,
+                                               OrderHandler& handler, const MonitorContext& context) {
     return std::make_unique<SessionObserver>(system_entropy(), session, open_view_channels(sockets), handler,
                                              context);
 }

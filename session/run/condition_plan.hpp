@@ -21,9 +21,16 @@
 
 namespace thimble {
 
-// Makes an observer of a session, which reads it and may send orders. `condition` is ConditionPlan::name.
+// Reads a session, and may send orders.
+class Observer : public Process {
+  public:
+    // In lock-step: the next session of the condition, which outlives the observer or is replaced. `ahead`: of tick()'s clock, of
+    // the session's.
+    virtual void serve(const SessionProcess& session, Duration ahead) = 0;
+};
+// `condition` is ConditionPlan::name.
 using MakeObserver =
-    std::function<std::unique_ptr<Process>(SessionProcess&, Sockets&, const std::string& condition)>;
+    std::function<std::unique_ptr<Observer>(SessionProcess&, Sockets&, const std::string& condition)>;
 
 struct ConditionPlan {
     std::shared_ptr<NodeStarter> starter;  // none: the user has started the nodes, and they go on running

@@ -65,7 +65,7 @@ class ConditionRun : boost::noncopyable {
     // Session and observer as one process, between the two halves of the sockets' protection.
     class SessionAndObserver final : public Process {
       public:
-        SessionAndObserver(SessionProcess& session, std::unique_ptr<Process> observer, Security* security)
+        SessionAndObserver(SessionProcess& session, std::unique_ptr<Observer> observer, Security* security)
             : session_(&session), observer_(std::move(observer)), security_(security) {}
         void tick(SessionTime now) override;
         SessionTime next_wakeup() const override;
@@ -73,7 +73,7 @@ class ConditionRun : boost::noncopyable {
 
       private:
         SessionProcess* session_;
-        std::unique_ptr<Process> observer_;
+        std::unique_ptr<Observer> observer_;
         Security* security_;
     };
 

@@ -15,11 +15,55 @@ namespace {
 
 constexpr unsigned kLookEvery = 64;  // instants: to look around costs more than one
 constexpr Duration kProgressPeriod = std::chrono::milliseconds{500};
+constexpr Duration kViewPeriod = std::chrono::milliseconds{4};  // several per frame of a screen
+
+// The observer of a condition. Its sockets are its own: nobody counts their datagrams, and it changes no byte of a trial. Its clock
+// goes on from trial to trial, so a view hears one session. It speaks no more often than by the wall clock.
+class Watch {
+  public:
+    explicit Watch(const ConditionPlan& plan) : plan_(plan) {
+        if (plan.make_observer) sockets_.emplace(plan.network);
+    }
+
+    void begin_trial(SteppedSession& stepped) {
+        if (!sockets_) return;
+        stepped_ = &stepped;
+        if (!observer_) observer_ = plan_.make_observer(stepped.session(), *sockets_, plan_.name);
+        observer_->serve(stepped.session(), ahead_);
+    }
+    void look(SessionTime by_wall) {
+        if (!sockets_ || by_wall < next_) return;
+        next_ = by_wall + kViewPeriod;
+        speak(by_wall);
+    }
+    // All is said once more: a view sees how the trial ended.
+    void end_trial() {
+        if (!sockets_) return;
+        ahead_ += kViewPeriod;
+        observer_->serve(stepped_->session(), ahead_);
+        speak(wall_now());
+        ahead_ += stepped_->now() - SessionTime{};
+    }
+
+  private:
+    void speak(SessionTime by_wall) {
+        sockets_->tick(by_wall);
+        observer_->tick(stepped_->now() + ahead_);
+        sockets_->tick(by_wall);
+    }
+
+    const ConditionPlan& plan_;
+    std::optional<Sockets> sockets_;  // none: nobody watches
+    SteppedSession* stepped_ = nullptr;
+    std::unique_ptr<Observer> observer_;
+    Duration ahead_{};
+    SessionTime next_{};
+};
 
 class SteppedCondition {
   public:
     SteppedCondition(const ConditionPlan& plan, const ConditionEvents& events)
-        : plan_(plan), events_(events), files_(plan, false) {}
+        : plan_(plan), events_(events), files_(plan, false), watch_(plan) {}
 
     void run_trial(SteppedSession& stepped, const TrialConditions& trial) {
         SessionProcess& session = stepped.session();
@@ -30,6 +74,7 @@ class SteppedCondition {
             files_.add(sample);
         });
         stepped.start(trial);
+        watch_.begin_trial(stepped);
         const SessionTime begin = stepped.now();
         for (unsigned instant = 0; stepped.step(); ++instant) {
             if (instant % kLookEvery == 0) look_around(stepped, trial);
@@ -38,6 +83,7 @@ class SteppedCondition {
                               stepped.lost()->role);
         }
         result_.simulated_s += to_seconds(stepped.now() - begin);
+        watch_.end_trial();
         files_.end_trial(session.record());
         judge(stepped);
         if (events_.trial_done) events_.trial_done(session.record());
@@ -57,6 +103,7 @@ class SteppedCondition {
         stepped.look_outside();
         if (!fault(stepped).empty()) return session.abort(EndReason::kDeviceFault, Role::kSession);
         const SessionTime now = wall_now();
+        watch_.look(now);
         if (now < next_progress_ || !events_.progress) return;
         next_progress_ = now + kProgressPeriod;
         files_.flush();
@@ -90,6 +137,7 @@ class SteppedCondition {
     const ConditionPlan& plan_;
     const ConditionEvents& events_;
     ConditionFiles files_;
+    Watch watch_;
     ConditionResult result_;
     TrajectorySample last_;
     SessionTime next_progress_{};

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <map>
 #include <random>
+#include <set>
 #include <sys/resource.h>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "common/security/lab_key_file.hpp"
 #include "session/records/trial_table.hpp"
 #include "tests/loopback/drawn_session.hpp"
+#include "tests/loopback/played_view.hpp"
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
 
@@ -109,7 +111,7 @@ TEST_F(RunByClock, RefusesWhateverLivesByTheWallClock) {
     const std::string easy = kEasy;
     expect_refused(easy, "virtual", "--attach", {"--attach"});
     expect_refused(easy, "virtual", "--strict-rt", {"--strict-rt"});
-    expect_refused(easy, "lock-step", "--monitor", {"--monitor"});
+    expect_refused(easy, "virtual", "--monitor", {"--monitor"});
     expect_refused(easy, "virtual", "--answer-limit", {"--answer-limit", "5"});
     expect_refused(easy + "[log]\nmessages = 'all'\n", "virtual", "[log]");
     expect_refused(easy + "[handle]\ndevice = 'pointer'\n", "virtual", "[handle] device");
@@ -158,6 +160,44 @@ TEST_F(RunByClock, AConditionThatIsStoppedEndsNoOther) {
 TEST_F(RunByClock, LockStepTakesALabKey) {
     create_lab_key(folder_ / "lab.key", system_random_bytes());
     expect_both_agree(std::string(kOneTrial) + under_lab_key(folder_ / "lab.key"));
+}
+
+// They hear one session, whatever trial runs, and change no byte of it.
+TEST_F(RunByClock, LockStepMindsNoView) {
+    ASSERT_EQ(run(kOneByOne, "virtual").code, 0);
+    const PortBlock others;
+    UdpChannel plot(Endpoint{"127.0.0.1", others.base()}, {"127.0.0.1", 0});
+    PlayedView view(ports_.base(), PlayedView::Ports::kExperimenter, {});
+    Child child = start(kOneByOne, {"--monitor", "--plotjuggler", std::to_string(others.base())});
+    std::set<std::uint32_t> trials;
+    bool plotted = false;
+    const bool ended = wait_until([&] {
+        view.listen(wall_now());
+        if (view.running()) trials.insert(view.trial());
+        plotted = plotted || !plot.receive().empty();
+        return child.poll().has_value();
+    });
+    ASSERT_TRUE(ended);
+    EXPECT_EQ(child.poll(), 0) << read_text(folder_ / "words");
+    EXPECT_THAT(trials, testing::ElementsAre(1U, 2U));
+    EXPECT_FALSE(view.running()) << "it has not heard how the last trial ended";
+    EXPECT_TRUE(plotted);
+    expect_same_bytes();
+}
+
+TEST_F(RunByClock, LockStepEndsWhereItsExperimenterSaysQuit) {
+    PlayedView view(ports_.base(), PlayedView::Ports::kExperimenter, {});
+    Child child = start(kOneByOne, {"--monitor"});
+    Order quit;
+    quit.kind = OrderKind::kQuit;
+    const bool ended = wait_until([&] {
+        view.listen(wall_now());
+        if (view.running()) view.order(wall_now(), quit);
+        return child.poll().has_value();
+    });
+    ASSERT_TRUE(ended);
+    EXPECT_EQ(child.poll(), 1) << read_text(folder_ / "words");
+    EXPECT_EQ(read_trial_table(out_ / "trials.csv").back().reason, EndReason::kInterrupted);
 }
 
 // How many sessions are drawn: THIMBLE_DRAWN_SESSIONS (docs/reliability.md).

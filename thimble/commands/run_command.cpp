@@ -72,7 +72,9 @@ void check_clock(const RunArguments& a, const SystemSettings& settings) {
     if (a.attach) refuse("--attach, to nodes that run already,", "leave it out");
     if (launch_of(a, settings).anywhere_else())
         refuse("a node on another machine ([launch])", "leave its host out");
-    if (a.monitor || !a.plotjuggler.empty()) refuse("a view", "leave --monitor and --plotjuggler out");
+    const bool watched = a.monitor || !a.plotjuggler.empty();
+    if (watched && a.run.clock == RunClock::kVirtual)
+        refuse("a view", "leave --monitor and --plotjuggler out, or take --clock lock-step");
     if (settings.log.messages == LoggedMessages::kAll && a.run.clock == RunClock::kVirtual)
         refuse("the log of all messages ([log])", "leave its messages out");
     if (a.run.strict_rt) refuse("--strict-rt", "leave it out");
