@@ -96,11 +96,6 @@ ReportTable stale_table(const std::vector<NodeReport>& reports) {
     return table;
 }
 
-bool runs_elsewhere(const NodeStarter& starter) {
-    return std::any_of(kNodes.begin(), kNodes.end(),
-                       [&](const NodeKind& node) { return !starter.machine(node.role).empty(); });
-}
-
 ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& network) {
     ReportTable table{"Machines",
                       "Where each node ran. The bare round trip above is this machine's own, without a wire: "

@@ -30,7 +30,6 @@ ReportTable security_table(const std::vector<NodeReport>& reports);
 // In which trials an input fell silent and its stale policy acted, and how long.
 ReportTable stale_table(const std::vector<NodeReport>& reports);
 // Which node ran on which machine.
-bool runs_elsewhere(const NodeStarter& starter);
 ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& network);
 // Handle to handle through all processes at 0 ms against a bare ping-pong times the number of hops.
 ReportTable round_trip_table(const std::vector<TrialRow>& rows, const Histogram& bare);

@@ -13,15 +13,13 @@
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/runtime/grant_stream.hpp"
 #include "common/runtime/realtime_loop.hpp"
 
 namespace thimble {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
-
-// A wait looks so often whether a signal ends the program, and whether the other end still lives.
-constexpr Duration kLook = std::chrono::milliseconds{100};
 
 LockStepMessage answer(LockStepKind kind, const Process& process, const DatagramCounts& sent) {
     LockStepMessage message;
@@ -34,7 +32,7 @@ LockStepMessage answer(LockStepKind kind, const Process& process, const Datagram
 }  // namespace
 
 LockStepEnd::LockStepEnd(int descriptor, Duration limit) : descriptor_(descriptor), limit_(limit) {
-    const timeval patience{0, kLook.count() / 1000};
+    const timeval patience{0, kLockStepLook.count() / 1000};
     int type = 0;
     socklen_t size = sizeof type;
     if (getsockopt(descriptor_, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_SEQPACKET &&
@@ -46,10 +44,13 @@ LockStepEnd::LockStepEnd(int descriptor, Duration limit) : descriptor_(descripto
         "lock-step' starts it (docs/lock-step.md)");
 }
 
+LockStepEnd::LockStepEnd(std::unique_ptr<GrantStream> stream, Duration limit)
+    : stream_(std::move(stream)), limit_(limit) {}
+
 LockStepEnd::~LockStepEnd() {
     if (page_ != nullptr) munmap(page_, sizeof *page_);
     if (offered_ >= 0) close(offered_);
-    close(descriptor_);
+    if (descriptor_ >= 0) close(descriptor_);
 }
 
 void LockStepEnd::offer_page() {
@@ -72,6 +73,7 @@ void LockStepEnd::map(int page) {
 }
 
 bool LockStepEnd::send(LockStepMessage message) {
+    if (stream_) return stream_->send(message);
     if (by_page_) {
         out_->message = message;
         out_->turn.fetch_add(1, std::memory_order_release);
@@ -121,7 +123,7 @@ ssize_t LockStepEnd::receive_by_socket(LockStepMessage& message) {
 
 // A futex does not tell whether the other end still lives.
 ssize_t LockStepEnd::receive_by_page(LockStepMessage& message) {
-    const timespec look{0, kLook.count()};
+    const timespec look{0, kLockStepLook.count()};
     while (in_->turn.load(std::memory_order_acquire) == heard_) {
         if (syscall(SYS_futex, &in_->turn, FUTEX_WAIT, heard_, &look, nullptr, 0) == 0 || errno == EAGAIN)
             continue;
@@ -138,10 +140,12 @@ ssize_t LockStepEnd::receive_by_page(LockStepMessage& message) {
 // Sets silence() where nothing came.
 ssize_t LockStepEnd::receive_within_limit(LockStepMessage& message) {
     for (Duration waited{};;) {
-        const ssize_t size = by_page_ ? receive_by_page(message) : receive_by_socket(message);
+        const ssize_t size = stream_    ? stream_->receive(message)
+                             : by_page_ ? receive_by_page(message)
+                                        : receive_by_socket(message);
         if (size > 0) return size;
         const bool goes_on = size < 0 && (errno == EAGAIN || errno == EINTR);
-        if (goes_on && errno == EAGAIN) waited += kLook;
+        if (goes_on && errno == EAGAIN) waited += kLockStepLook;
         silence_ = !goes_on ? Silence::kGone : stop_requested() ? Silence::kInterrupted : Silence::kLate;
         const bool late = limit_ > Duration::zero() && waited >= limit_;
         if (silence_ != Silence::kLate || late) return size;

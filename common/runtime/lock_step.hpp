@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <sys/types.h>
 
@@ -17,6 +18,8 @@
 namespace thimble {
 
 inline constexpr std::uint16_t kLockStepVersion = 1;
+// A wait looks so often whether a signal ends the program, and whether the other end still lives.
+inline constexpr Duration kLockStepLook = std::chrono::milliseconds{100};
 
 enum class LockStepKind : std::uint16_t {
     kBegin = 1,  // conductor: a trial begins, be as good as new. time: how long a datagram may take
@@ -48,11 +51,15 @@ struct LockStepPage {
 };
 static_assert(sizeof(LockStepPage) == 256);
 
+class GrantStream;
+
 // One end of the socket between conductor and node.
 class LockStepEnd : boost::noncopyable {
   public:
     // Takes the descriptor. Waits for a message no longer than `limit`; zero: for ever.
     LockStepEnd(int descriptor, Duration limit);
+    // The same, where the node is on another machine (grant_stream.hpp).
+    LockStepEnd(std::unique_ptr<GrantStream> stream, Duration limit);
     ~LockStepEnd();
 
     // The conductor's: a page goes with the next message. A program that does not know pages keeps to the socket.
@@ -72,7 +79,8 @@ class LockStepEnd : boost::noncopyable {
     bool has_ended() const;
     void map(int page);
 
-    int descriptor_;
+    std::unique_ptr<GrantStream> stream_;  // null: the socket
+    int descriptor_ = -1;
     Duration limit_;
     Silence silence_ = Silence::kGone;
     bool conductor_ = false, by_page_ = false;

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -19,6 +20,7 @@
 #include "common/json_text.hpp"
 #include "common/log/log_settings.hpp"
 #include "common/runtime/command_line.hpp"
+#include "common/runtime/grant_stream.hpp"
 #include "common/runtime/lock_step.hpp"
 #include "common/runtime/log/message_log.hpp"
 #include "common/runtime/program_report.hpp"
@@ -273,13 +275,23 @@ class ConductedNode {
     nlohmann::ordered_json report_;
 };
 
+// By TCP where the launcher has given a key: this machine is not the conductor's.
+std::unique_ptr<LockStepEnd> conductor_of(const NodeProgram& program, const NetworkSettings& network) {
+    const char* const key = std::getenv(kGrantKeyVariable);  // NOLINT(concurrency-mt-unsafe): nobody sets it
+    if (key == nullptr) return std::make_unique<LockStepEnd>(STDIN_FILENO, Duration::zero());
+    prepare_security();
+    const Endpoint there{network.host(Role::kSession), network.base_port};
+    return std::make_unique<LockStepEnd>(GrantStream::to_conductor(there, read_grant_key(key), program.name),
+                                         Duration::zero());
+}
+
 int run_by_conductor(const NodeProgram& program, const Options& options, const ConfigFile& file,
                      const SharedSettings& settings) {
     install_stop_signals();
-    LockStepEnd conductor(STDIN_FILENO, Duration::zero());
+    const auto conductor = conductor_of(program, settings.network);
     ConductedNode node(program, options, file, settings);
-    auto order = conductor.receive();
-    while (order && order->kind == LockStepKind::kBegin) order = node.run_trial(conductor, *order);
+    auto order = conductor->receive();
+    while (order && order->kind == LockStepKind::kBegin) order = node.run_trial(*conductor, *order);
     if (!node.report().is_null()) save(options.report, node.report());
     if (!order || order->kind == LockStepKind::kEnd) return static_cast<int>(ExitCode::kOk);
     throw Error(ExitCode::kNetwork, "lock-step: an order of kind {} came where begin or end was due",

@@ -1,6 +1,7 @@
 // How a node's program is started and ended: on this machine or on another (remote_starter.hpp).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <filesystem>
@@ -19,6 +20,7 @@
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "common/time.hpp"
+#include "session/launch/node_kinds.hpp"
 
 namespace thimble {
 
@@ -29,6 +31,7 @@ struct NodeOrder {
     std::filesystem::path log, report;   // here, wherever it runs
     std::filesystem::path messages{};    // its log of messages, here at its end; empty: none
     int input = -1;                      // what it reads at standard input, if it runs here; -1: nothing
+    std::string grant_key{};             // in lock-step, if it runs elsewhere (grant_stream.hpp)
 };
 
 // Ended, at the latest, when this object goes.
@@ -61,6 +64,11 @@ class NodeStarter {
     // The machine of a node; empty: this one.
     virtual std::string machine(Role role) const = 0;
 };
+
+inline bool runs_elsewhere(const NodeStarter& starter) {
+    return std::any_of(kNodes.begin(), kNodes.end(),
+                       [&](const NodeKind& node) { return !starter.machine(node.role).empty(); });
+}
 
 // Waits, at most `limit`, for it to end.
 inline std::optional<int> wait_for_end(RunningNode& node, Duration limit) {

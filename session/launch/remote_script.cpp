@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "common/runtime/grant_stream.hpp"
+
 namespace thimble {
 
 // Within '...' a shell looks at nothing but the closing quote (POSIX.1-2017, Shell Command Language, 2.2.2).
@@ -138,6 +140,8 @@ std::string remote_script(const RemoteOrder& order) {
               assign("lease_cs", fmt::format("{:.0f}", 100 * to_seconds(order.lease)));
     script += kLook;
     script += kUnpack;
+    if (!order.grant_key.empty())
+        script += assign(kGrantKeyVariable, order.grant_key) + fmt::format("export {}\n", kGrantKeyVariable);
     script += fmt::format(
         "messages=$dir/messages.mcap\nset -- \"$dir\"/session/{} --report \"$dir\"/report.json "
         "--die-with-parent=$$ {}{}\n",

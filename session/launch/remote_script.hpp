@@ -44,6 +44,7 @@ struct RemoteOrder {
     Duration lease{};
     std::vector<std::string> arguments;
     bool messages = false;    // whether it writes a log of messages, to be sent here
+    std::string grant_key{};  // of lock-step; empty: by the wall clock
     bool only_check = false;  // says kGood instead of starting anything
 };
 

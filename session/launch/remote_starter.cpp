@@ -49,7 +49,7 @@ class RemoteNode final : public RunningNode {
         shell_.divert_after(kEnded, order.messages);
         shell_.send(
             remote_script({order.program, launch.programs, kVersion, machine_, bundle.files.front().name,
-                           launch.lease, order.arguments, !order.messages.empty()}));
+                           launch.lease, order.arguments, !order.messages.empty(), order.grant_key}));
     }
     ~RemoteNode() override {
         stop();

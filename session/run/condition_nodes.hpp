@@ -35,8 +35,10 @@ class ConditionNodes : boost::noncopyable {
     void launch() {
         for (std::size_t i = 0; i < kNodes.size(); ++i) nodes_.push_back(start(i));
     }
-    // In lock-step: each has the conductor at its standard input.
-    void launch(std::span<const int, kNodes.size()> inputs) {
+    // In lock-step: each has the conductor at its standard input, or, where that is -1, this key for it.
+    void launch(std::span<const int, kNodes.size()> inputs, const std::string& grant_key) {
+        lock_step_ = true;
+        grant_key_ = grant_key;
         for (std::size_t i = 0; i < kNodes.size(); ++i) nodes_.push_back(start(i, inputs[i]));
     }
 
@@ -144,12 +146,15 @@ class ConditionNodes : boost::noncopyable {
         order.log = files_.log_path(i);
         order.report = files_.report_path(i);
         order.arguments = {"--base-port", std::to_string(plan_.network.base_port)};
-        // On another machine with a folder for logs its log stays there: it may be too long for the way.
-        if (plan_.log.messages != LoggedMessages::kNone &&
-            (plan_.log.folder.empty() || plan_.starter->machine(node.role).empty()))
+        // On another machine with a folder for logs its log stays there: it may be too long for the way. In lock-step it is one for
+        // each trial, and the way has room for one.
+        const bool here = plan_.starter->machine(node.role).empty();
+        const bool comes = here || (plan_.log.folder.empty() && !lock_step_);
+        if (plan_.log.messages != LoggedMessages::kNone && comes)
             order.messages = files_.messages_path(node.program);
         order.input = input;
-        if (input >= 0) order.arguments.emplace_back("--lock-step");
+        if (!here) order.grant_key = grant_key_;
+        if (lock_step_) order.arguments.emplace_back("--lock-step");
         if (plan_.strict_rt) order.arguments.emplace_back("--strict-rt");
         if (node.role == Role::kNetem) {
             order.arguments.insert(order.arguments.end(),
@@ -162,6 +167,8 @@ class ConditionNodes : boost::noncopyable {
     ConditionFiles& files_;
     std::vector<std::shared_ptr<RunningNode>> nodes_;
     std::size_t lines_passed_on_ = 0;
+    bool lock_step_ = false;
+    std::string grant_key_;
 };
 
 }  // namespace thimble

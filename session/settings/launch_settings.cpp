@@ -80,6 +80,14 @@ std::string LaunchSettings::own_program_key() const {
     return {};
 }
 
+void LaunchSettings::require_no_own_program(std::string_view command) const {
+    if (const std::string key = own_program_key(); !key.empty())
+        throw Error(ExitCode::kUsage,
+                    "[launch] {} names a program of yours, and {} does not start it: leave that key out; "
+                    "'thimble run --clock lock-step' starts such programs (docs/lock-step.md)",
+                    key, command);
+}
+
 LaunchSettings read_launch_settings(const ConfigFile& file) {
     const ConfigTable table = file.table("launch");
     LaunchSettings s;

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/config.hpp"
@@ -35,6 +36,8 @@ struct LaunchSettings {
     bool anywhere_else() const;
     // The first such key of the file, "program_slave_sim"; empty: all programs are Thimble's.
     std::string own_program_key() const;
+    // Throws Error (usage) if there is one: `command` starts no program of a user.
+    void require_no_own_program(std::string_view command) const;
 };
 
 // Throws Error (usage), also for names that could pass for an option of the program that `exec` names.

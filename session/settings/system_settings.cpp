@@ -215,12 +215,7 @@ void require_simulated_hand(const SystemSettings& settings, std::string_view com
 
 void require_virtual_subjects(const SystemSettings& settings, std::string_view command) {
     require_simulated_hand(settings, command);
-    const std::string key = settings.launch.own_program_key();
-    if (key.empty()) return;
-    throw Error(ExitCode::kUsage,
-                "[launch] {} names a program of yours, and thimble {} starts no programs: leave that key "
-                "out, or use thimble run --clock lock-step",
-                key, command);
+    settings.launch.require_no_own_program(fmt::format("thimble {}", command));
 }
 
 SessionSettings session_settings(const SystemSettings& settings) {

@@ -45,6 +45,13 @@ class CountedProcess final : public Process {
     std::optional<LostNode> lost_;  // a datagram, and its sender
 };
 
+constexpr Duration kLookAtMachines = std::chrono::milliseconds{20};
+
+void look_at_machines() {
+    wall_sleep(kLookAtMachines);
+    if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted before the first trial");
+}
+
 std::size_t index_of(Role role) {
     return static_cast<std::size_t>(std::find(kNodeRoles.begin(), kNodeRoles.end(), role) -
                                     kNodeRoles.begin());
@@ -251,10 +258,15 @@ CoreLease::CoreLease(unsigned place) {
 LockStepNodes::LockStepNodes(const ConditionPlan& plan)
     : plan_(plan), core_(plan.place), files_(plan, false), nodes_(plan, files_) {
     make_folder(plan.out);
+    std::optional<GrantDoor> door;
+    if (runs_elsewhere(*plan.starter))
+        door.emplace(Endpoint{plan.network.host(Role::kSession), plan.network.base_port});
     std::vector<std::unique_ptr<FileDescriptor>> theirs;
     theirs.reserve(kNodes.size());
     std::array<int, kNodes.size()> inputs{};
+    inputs.fill(-1);
     for (std::size_t i = 0; i < inputs.size(); ++i) {
+        if (!plan.starter->machine(kNodes[i].role).empty()) continue;
         std::array<int, 2> pair{};
         if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair.data()) != 0)
             throw Error(ExitCode::kRunFailed, "cannot make a socket for {}: {}", kNodes[i].program,
@@ -264,7 +276,52 @@ LockStepNodes::LockStepNodes(const ConditionPlan& plan)
         theirs.push_back(std::make_unique<FileDescriptor>(pair[1]));
         inputs[i] = pair[1];
     }
-    nodes_.launch(inputs);
+    nodes_.launch(inputs, door ? grant_key_text(door->key()) : "");
+    if (!door) return;
+    nodes_.wait_for_machines(look_at_machines);
+    let_in(*door);
+    keep_machines();
+}
+
+bool LockStepNodes::all_in() const {
+    return std::all_of(ends_.begin(), ends_.end(), [](const auto& end) { return end != nullptr; });
+}
+
+// Each by the name that it has proved. Once all are in, the port is closed.
+void LockStepNodes::let_in(GrantDoor& door) {
+    const SessionTime deadline = wall_now() + plan_.starter->reach();
+    for (; !all_in(); look_at_machines()) {
+        nodes_.throw_if_dead();
+        if (wall_now() > deadline)
+            throw Error(ExitCode::kNetwork,
+                        "a node on another machine has not come to TCP port {} of {} within {} s: does a "
+                        "firewall let that port through (docs/machines.md)? See the logs in {}",
+                        plan_.network.base_port, plan_.network.host(Role::kSession),
+                        to_seconds(plan_.starter->reach()), plan_.out.string());
+        while (auto stream = door.take()) {
+            const auto* const node = std::find_if(kNodes.begin(), kNodes.end(), [&](const NodeKind& kind) {
+                return kind.program == stream->program();
+            });
+            if (node == kNodes.end() || ends_.at(index_of(node->role))) continue;
+            ends_.at(index_of(node->role)) =
+                std::make_unique<LockStepEnd>(std::move(stream), plan_.answer_limit);
+        }
+    }
+}
+
+void LockStepNodes::keep_machines() {
+    kept_ = true;
+    keeper_ = std::thread([this] {
+        for (; kept_; wall_sleep(kLookAtMachines)) {
+            const std::lock_guard guard(mutex_);
+            nodes_.dead();  // asks each
+        }
+    });
+}
+
+void LockStepNodes::stop_keeping() {
+    kept_ = false;
+    if (keeper_.joinable()) keeper_.join();
 }
 
 std::unique_ptr<SteppedSession> LockStepNodes::make_session() {
@@ -274,6 +331,7 @@ std::unique_ptr<SteppedSession> LockStepNodes::make_session() {
 std::string LockStepNodes::words(std::size_t node, LockStepEnd::Silence silence, SessionTime now) {
     const double now_s = to_seconds(now.time_since_epoch());
     if (silence == LockStepEnd::Silence::kInterrupted) return "interrupted; what was recorded is kept";
+    const std::lock_guard guard(mutex_);
     const std::string& program = nodes_.at(node).program();
     if (silence == LockStepEnd::Silence::kGone) {
         const std::string last = nodes_.last_words(node);
@@ -290,6 +348,7 @@ void LockStepNodes::end(ConditionResult& result) {
     LockStepMessage order;
     order.kind = LockStepKind::kEnd;
     for (const auto& end : ends_) end->send(order);
+    stop_keeping();
     nodes_.end(result);
     for (const auto& report : result.reports) {
         const std::string fault = report.contains("log") ? report["log"].value("fault", "") : "";

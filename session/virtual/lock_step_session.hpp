@@ -2,12 +2,16 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <sched.h>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "common/runtime/grant_stream.hpp"
 #include "common/runtime/lock_step.hpp"
 #include "session/run/condition_nodes.hpp"
 #include "session/virtual/stepped_condition.hpp"
@@ -72,8 +76,10 @@ class CoreLease : boost::noncopyable {
 
 class LockStepNodes : boost::noncopyable {
   public:
-    // Starts the programs. `plan` outlives this. Throws Error (run failed) if there is no such program.
+    // Starts the programs. `plan` outlives this. Throws Error: run failed, if there is no such program; network, if a machine does not
+    // answer, or its node does not find the way back.
     explicit LockStepNodes(const ConditionPlan& plan);
+    ~LockStepNodes() { stop_keeping(); }
 
     // A fresh session and nodes as good as fresh; one at a time. Throws Error (network), with its words, if a node does not begin.
     std::unique_ptr<SteppedSession> make_session();
@@ -89,11 +95,20 @@ class LockStepNodes : boost::noncopyable {
     std::string words(std::size_t node, LockStepEnd::Silence silence, SessionTime now);
 
   private:
+    void let_in(GrantDoor& door);
+    bool all_in() const;
+    void keep_machines();
+    void stop_keeping();
+
     const ConditionPlan& plan_;
     CoreLease core_;
     ConditionFiles files_;  // for their paths
     ConditionNodes nodes_;
     std::array<std::unique_ptr<LockStepEnd>, kNodes.size()> ends_;
+    // While the conductor waits for an answer, nodes on other machines need a sign of life.
+    std::mutex mutex_;  // of nodes_
+    std::atomic<bool> kept_ = false;
+    std::thread keeper_;
 };
 
 }  // namespace thimble

@@ -103,8 +103,13 @@ TEST_F(RunByClock, VirtualTimeWritesTheFilesOfARun) {
     EXPECT_GT(summary.at("simulated_s"), 10);
     EXPECT_GT(summary.at("wall_s"), 0);
     const std::string first = read_text(out_ / "trials.csv");
+    fs::create_directories(out_ / "nodes");  // as an earlier, longer run in lock-step has left it
+    const fs::path log = folder_.write("virtual/nodes/thimble-netem_100ms_trial09.mcap", "old");
+    const fs::path other = folder_.write("virtual/nodes/session_notes.mcap", "mine");
     ASSERT_EQ(run(kEasy, "virtual", {"--overwrite"}).code, 0);
     EXPECT_EQ(read_text(out_ / "trials.csv"), first);
+    EXPECT_FALSE(fs::exists(log));
+    EXPECT_TRUE(fs::exists(other));
 }
 
 TEST_F(RunByClock, RefusesWhateverLivesByTheWallClock) {

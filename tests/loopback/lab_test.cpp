@@ -15,6 +15,7 @@ namespace thimble {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -37,11 +38,22 @@ class Lab : public testing::Test {
         command.insert(command.begin(), {THIMBLE_SOURCE_DIR "/tests/loopback/lab.sh", folder()});
         return words_in(std::string(geteuid() == 0 ? "" : "-Ur ") + "-nm --propagation private sh", command);
     }
-    std::vector<std::string> launch(const std::string& session) const {
-        return words({(built_programs() / "thimble").string(), "run",
-                      folder_.write("session.toml", session).string(), "--out", (folder_ / "out").string(),
-                      "--exec", "ip netns exec {host}", "--programs", built_programs().string(),
-                      "--base-port", std::to_string(ports_.base()), "--json"});
+    std::vector<std::string> launch(const std::string& session,
+                                    const std::vector<std::string>& more = {}) const {
+        std::vector<std::string> command{(built_programs() / "thimble").string(),
+                                         "run",
+                                         folder_.write("session.toml", session).string(),
+                                         "--out",
+                                         (folder_ / "out").string(),
+                                         "--exec",
+                                         "ip netns exec {host}",
+                                         "--programs",
+                                         built_programs().string(),
+                                         "--base-port",
+                                         std::to_string(ports_.base()),
+                                         "--json"};
+        command.insert(command.end(), more.begin(), more.end());
+        return words(command);
     }
     std::string folder() const { return (folder_ / ".").string(); }
     std::string said() const { return read_text(folder_ / "words"); }
@@ -68,6 +80,23 @@ TEST_F(Lab, FourMachinesFindWhatOneFinds) {
         EXPECT_EQ(row.metrics.oscillates, row.conditions.modality == Modality::kHF);
         EXPECT_GE(row.delay_achieved_s, 0.05);
     }
+    EXPECT_THAT(read_text(folder_ / "out/nodes/thimble-slave-sim_50ms.json"), HasSubstr("\"robot\""));
+    EXPECT_THAT(nodes_alive(ports_.base()), IsEmpty());
+}
+
+TEST_F(Lab, FourMachinesInLockStepWriteTheBytesOfOneProgram) {
+    SessionFile session;
+    session.modalities = R"(["CF", "VF"])";
+    session.delays_s = "[0.05]";
+    session.contact_hold_s = 0.3;
+    const auto key = folder_ / "lab.key";
+    create_lab_key(key, system_random_bytes());
+    session.more = kMachines + under_lab_key(key);
+    Child launcher("unshare", launch(session.text(), kLockStep), folder_ / "words");
+    ASSERT_EQ(launcher.wait(3 * kPatience), 0) << said();
+    const std::string trials = read_text(folder_ / "out/trials.csv");
+    EXPECT_EQ(read_text(folder_ / "out/virtual.csv"), trials);
+    EXPECT_THAT(trials, AllOf(HasSubstr("CF"), HasSubstr("VF")));
     EXPECT_THAT(read_text(folder_ / "out/nodes/thimble-slave-sim_50ms.json"), HasSubstr("\"robot\""));
     EXPECT_THAT(nodes_alive(ports_.base()), IsEmpty());
 }

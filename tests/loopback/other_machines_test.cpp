@@ -85,6 +85,31 @@ TEST_F(OtherMachines, ASessionOnThreeMachinesIsARunLikeAnyOther) {
     expect_nothing_left(run);
 }
 
+// The datagrams and the grants go another way, the bytes stay.
+TEST_F(OtherMachines, LockStepGivesTheBytesOfVirtualTime) {
+    SessionFile session;
+    session.modalities = R"(["CF"])";
+    session.delays_s = "[0.05]";
+    session.more = launch_table();
+    RealRun run = start(session, kLockStep);
+    ASSERT_EQ(run.end(), 0) << run.words();
+    EXPECT_EQ(run.report("thimble-slave-sim", 50).at("machine"), "robot");
+    EXPECT_THAT(read_text(run.out() / "report.html"), HasSubstr("robot"));
+    EXPECT_EQ(read_text(run.out() / "virtual.csv"), read_text(run.out() / "trials.csv"));
+    EXPECT_THAT(read_text(run.out() / "nodes/thimble-slave-sim_50ms.log"), Not(HasSubstr("GRANT_KEY")));
+    expect_nothing_left(run);
+}
+
+TEST_F(OtherMachines, LockStepNamesAMachineWhoseNodeDies) {
+    RealRun run = start(endless(), kLockStep);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    kill(run.node("thimble-slave-sim"), SIGKILL);
+    EXPECT_EQ(run.end(), 3) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("thimble-slave-sim on 'robot' ended with code 137"));
+    EXPECT_EQ(run.only_reason(), EndReason::kPeerLost);
+    expect_nothing_left(run);
+}
+
 // The network's profile lies beside the session file, in a folder and under a name that a shell could stumble over.
 TEST_F(OtherMachines, FilesOfTheSessionComeAlong) {
     const std::string name = "nets/it's $HOME/my net.toml";

@@ -139,6 +139,7 @@ TEST_F(OwnProgram, ThatCannotBeStartedIsNamed) {
 TEST_F(OwnProgram, IsRefusedWhereThimbleHasItsOwnAlone) {
     expect_refused("--clock virtual", "[launch] program_slave_sim");
     expect_refused("--print systemd", "[launch] program_slave_sim");
+    expect_refused("--attach", "[launch] program_slave_sim names a program of yours, and --attach does not");
 }
 
 TEST_F(OwnProgram, IsAmongTheProgramsThatAreChecked) {

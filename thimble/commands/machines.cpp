@@ -36,12 +36,7 @@ std::string machine_text(const std::string& machine) { return machine.empty() ? 
 
 void print_units(const std::filesystem::path& session, const LaunchSettings& launch,
                  const NetworkSettings& network, const std::filesystem::path& folder) {
-    if (const std::string key = launch.own_program_key(); !key.empty())
-        throw Error(
-            ExitCode::kUsage,
-            "{}: [launch] {} names a program of yours, and --print systemd knows Thimble's alone: leave that "
-            "key out, and write a unit for your program by hand",
-            session.string(), key);
+    launch.require_no_own_program("a unit of --print systemd");
     const UnitPlan plan{launch, network, read_runtime_settings(ConfigFile::load(session)),
                         session.filename().string()};
     for (const UnitFile& unit : unit_files(plan)) {

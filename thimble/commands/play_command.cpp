@@ -78,11 +78,7 @@ int run_play(PlayArguments a) {
                     "the session file's [launch] names other machines, and thimble play starts every node on "
                     "this one: leave [launch] out");
     }
-    if (const std::string key = settings.launch.own_program_key(); !key.empty())
-        throw Error(ExitCode::kUsage,
-                    "[launch] {} names a program of yours, and thimble play starts Thimble's alone: "
-                    "leave that key out, or use thimble run",
-                    key);
+    settings.launch.require_no_own_program("thimble play");
     a.play.network = a.replay.network = network_of(a.config, a.base_port);
     choose_first_trial(a, settings.plan);
     a.play.stop = a.replay.stop = a.render.stop = &stop_requested();

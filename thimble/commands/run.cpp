@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <exception>
 #include <mutex>
@@ -57,6 +58,7 @@ class Run {
         make_folder(options_.out);
         TrialTable table(options_.out / "trials.csv", if_exists_);
         table_ = &table;
+        if (options_.overwrite) remove_earlier_logs();
         if (by(RunClock::kWall)) {
             progress_.say("measuring a bare round trip between two processes");
             bare_ = measure_ping_pong(options_.runtime);
@@ -71,6 +73,20 @@ class Run {
     }
 
   private:
+    // Their names, as "thimble-netem_50ms_trial02.mcap", have delays and trials that this run need not have.
+    void remove_earlier_logs() const {
+        std::error_code absent;
+        std::vector<std::filesystem::path> logs;
+        for (const auto& file : std::filesystem::directory_iterator(options_.out / "nodes", absent)) {
+            const std::string name = file.path().filename().string();
+            const std::size_t delay = name.find('_') + 1;
+            const bool ours = name.starts_with("session_") || name.starts_with("thimble-");
+            if (ours && name.ends_with(".mcap") && std::isdigit(static_cast<unsigned char>(name[delay])) != 0)
+                logs.push_back(file.path());
+        }
+        for (const auto& log : logs) remove_file(log);
+    }
+
     bool by(RunClock clock) const { return options_.clock == clock; }
     // Virtual time has Thimble's programs alone.
     bool compares() const { return !by(RunClock::kVirtual) && settings_.launch.own_program_key().empty(); }
@@ -286,6 +302,8 @@ class Run {
                         : "The programs of the session took their time from thimble run",
             time_.simulated_s, time_.wall_s, one_program ? "reports and logs of nodes, no " : "");
         section.tables = {refusal_table(nodes_), security_table(nodes_), stale_table(nodes_)};
+        if (by(RunClock::kLockStep) && elsewhere())
+            section.tables.push_back(machine_table(*options_.starter, options_.network));
         return section;
     }
 

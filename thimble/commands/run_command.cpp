@@ -70,7 +70,7 @@ void check_clock(const RunArguments& a, const SystemSettings& settings) {
     if (settings.visual.window && a.run.clock == RunClock::kLockStep)
         refuse("a window ([visual])", "set display = \"recording\"");
     if (a.attach) refuse("--attach, to nodes that run already,", "leave it out");
-    if (launch_of(a, settings).anywhere_else())
+    if (launch_of(a, settings).anywhere_else() && a.run.clock == RunClock::kVirtual)
         refuse("a node on another machine ([launch])", "leave its host out");
     const bool watched = a.monitor || !a.plotjuggler.empty();
     if (watched && a.run.clock == RunClock::kVirtual)
@@ -92,6 +92,7 @@ int run_nodes(RunArguments& arguments) {
     arguments.run.answer_limit = from_seconds(arguments.answer_limit_s);
     check_clock(arguments, settings);
     if (arguments.step) pause_in(arguments);
+    if (arguments.attach) settings.launch.require_no_own_program("--attach");
     if (arguments.attach) return run_for_real(arguments, settings, nullptr);
     const LaunchSettings launch = launch_of(arguments, settings);
     const NetworkSettings network = network_of(arguments.config, arguments.base_port);

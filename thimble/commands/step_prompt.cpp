@@ -33,7 +33,8 @@ double seconds_of(SessionTime time) { return to_seconds(time.time_since_epoch())
 std::string due_text(const DueProgram& program, SessionTime first) {
     const std::string when =
         program.next == kNever ? "a datagram" : fmt::format("{:.6f} s", seconds_of(program.next));
-    return fmt::format("  {:<9} pid {:<7} waits for {}{}\n", to_string(program.role), program.pid, when,
+    const std::string place = program.pid < 0 ? "elsewhere" : fmt::format("pid {}", program.pid);
+    return fmt::format("  {:<9} {:<11} waits for {}{}\n", to_string(program.role), place, when,
                        program.next == first ? ", is next" : "");
 }
 

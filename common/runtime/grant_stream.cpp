@@ -1,0 +1,210 @@
+#include "common/runtime/grant_stream.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include "common/error.hpp"
+#include "common/runtime/udp_socket.hpp"
+#include "common/security/keyed_hash.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::size_t kMarkBytes = 32;
+using MarkBytes = std::array<std::uint8_t, kMarkBytes>;
+
+template <class Plain>
+std::span<const std::uint8_t> plain_bytes(const Plain& plain) {
+    return {static_cast<const std::uint8_t*>(static_cast<const void*>(&plain)), sizeof plain};
+}
+
+void limit_waits(int descriptor, int option, Duration limit) {
+    const timeval patience{limit.count() / 1'000'000'000, limit.count() / 1000 % 1'000'000};
+    setsockopt(descriptor, SOL_SOCKET, option, &patience, sizeof patience);
+}
+
+// All of it, or false.
+bool read_all(int descriptor, void* out, std::size_t size) {
+    return recv(descriptor, out, size, MSG_WAITALL) == static_cast<ssize_t>(size);
+}
+
+bool write_all(int descriptor, const void* bytes, std::size_t size) {
+    return ::send(descriptor, bytes, size, MSG_NOSIGNAL) == static_cast<ssize_t>(size);
+}
+
+sockaddr_in conductor_at(const Endpoint& endpoint) {
+    return UdpAddress::resolved(endpoint.host, endpoint.port, "check [network] host_session").generic();
+}
+
+constexpr Duration kMoment = std::chrono::seconds{1};  // for a stranger, and for the way to a conductor
+constexpr Duration kWayThere = std::chrono::seconds{10};
+
+}  // namespace
+
+// The node's answer to the 32 random bytes that the conductor sends first.
+struct GrantStream::Hello {
+    std::uint16_t version = kLockStepVersion;
+    std::array<char, 30> program{};  // filled up with zeros
+    MarkBytes random{}, proof{};
+};
+
+struct GrantStream::Marked {
+    LockStepMessage message;
+    MarkBytes mark{};
+};
+
+SecretKey read_grant_key(const std::string& digits) {
+    SecretKey key;
+    std::size_t size = 0;
+    const int read = sodium_hex2bin(key.bytes.data(), key.bytes.size(), digits.data(), digits.size(), nullptr,
+                                    &size, nullptr);
+    if (read == 0 && size == key.bytes.size()) return key;
+    throw Error(ExitCode::kUsage,
+                "{} does not hold the key of a run in lock-step, 64 hexadecimal digits: 'thimble run --clock "
+                "lock-step' sets it (docs/lock-step.md)",
+                kGrantKeyVariable);
+}
+
+std::string grant_key_text(const SecretKey& key) {
+    std::string text(2 * key.bytes.size() + 1, '\0');
+    sodium_bin2hex(text.data(), text.size(), key.bytes.data(), key.bytes.size());
+    text.pop_back();
+    return text;
+}
+
+GrantStream::GrantStream(int descriptor, Sender self) : descriptor_(descriptor), self_(self) {
+    static_assert(sizeof(Marked) == sizeof came_);
+    const int at_once = 1;
+    setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
+}
+
+GrantStream::~GrantStream() { close(descriptor_); }
+
+std::unique_ptr<GrantStream> GrantStream::to_conductor(const Endpoint& conductor, const SecretKey& key,
+                                                       const std::string& program) {
+    const sockaddr_in address = conductor_at(conductor);
+    const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    std::unique_ptr<GrantStream> stream(new GrantStream(descriptor, Sender::kNode));
+    limit_waits(descriptor, SO_SNDTIMEO, kWayThere);
+    limit_waits(descriptor, SO_RCVTIMEO, kWayThere);
+    errno = 0;
+    if (connect(descriptor, raw(address), sizeof address) == 0 && stream->prove(key, program)) {
+        limit_waits(descriptor, SO_RCVTIMEO, kLockStepLook);
+        return stream;
+    }
+    throw Error(ExitCode::kNetwork,
+                "cannot reach the conductor of lock-step at TCP {}:{}: {}; does a firewall let that port "
+                "through (docs/machines.md)?",
+                conductor.host, conductor.port,
+                errno == 0 ? "it closed the connection" : std::strerror(errno));
+}
+
+// Both ends do the same with what both have said.
+void GrantStream::agree(const SecretKey& key, const Hello& hello) {
+    KeyedHash(key.bytes, kKeyBytes).add("grants of lock-step").add(hello.proof).finish(key_.bytes);
+}
+
+namespace {
+
+MarkBytes proof_of(const SecretKey& key, const MarkBytes& asked, std::span<const std::uint8_t> said) {
+    MarkBytes proof{};
+    KeyedHash(key.bytes, kMarkBytes).add("a node of lock-step").add(asked).add(said).finish(proof);
+    return proof;
+}
+
+}  // namespace
+
+bool GrantStream::prove(const SecretKey& key, const std::string& program) {
+    MarkBytes asked{};
+    if (!read_all(descriptor_, asked.data(), asked.size())) return false;
+    Hello hello;
+    program.copy(hello.program.data(), hello.program.size() - 1);
+    system_random_bytes()(hello.random);
+    hello.proof = proof_of(key, asked, plain_bytes(hello).first(sizeof hello - kMarkBytes));
+    agree(key, hello);
+    program_ = program;
+    return write_all(descriptor_, &hello, sizeof hello);
+}
+
+bool GrantStream::admit(const SecretKey& key) {
+    limit_waits(descriptor_, SO_RCVTIMEO, kMoment);
+    MarkBytes asked{};
+    system_random_bytes()(asked);
+    Hello hello;
+    if (!write_all(descriptor_, asked.data(), asked.size()) || !read_all(descriptor_, &hello, sizeof hello))
+        return false;
+    const MarkBytes right = proof_of(key, asked, plain_bytes(hello).first(sizeof hello - kMarkBytes));
+    if (!same_bytes(right, hello.proof) || hello.version != kLockStepVersion) return false;
+    agree(key, hello);
+    program_.assign(hello.program.begin(), std::find(hello.program.begin(), hello.program.end(), '\0'));
+    limit_waits(descriptor_, SO_RCVTIMEO, kLockStepLook);
+    return true;
+}
+
+// The number keeps a message from standing in for a later one.
+void GrantStream::mark(Marked& marked, Sender sender, std::uint64_t number) const {
+    KeyedHash(key_.bytes, kMarkBytes)
+        .add(plain_bytes(sender))
+        .add(plain_bytes(number))
+        .add(plain_bytes(marked.message))
+        .finish(marked.mark);
+}
+
+bool GrantStream::send(const LockStepMessage& message) {
+    Marked marked{message, {}};
+    mark(marked, self_, sent_++);
+    return write_all(descriptor_, &marked, sizeof marked);
+}
+
+ssize_t GrantStream::receive(LockStepMessage& message) {
+    while (came_bytes_ < came_.size()) {
+        const ssize_t size = recv(descriptor_, came_.data() + came_bytes_, came_.size() - came_bytes_, 0);
+        if (size < 0 && errno == ECONNRESET) return 0;
+        if (size <= 0) return size;
+        came_bytes_ += static_cast<std::size_t>(size);
+    }
+    came_bytes_ = 0;
+    Marked marked, right;
+    std::memcpy(&marked, came_.data(), sizeof marked);
+    right.message = marked.message;
+    mark(right, self_ == Sender::kNode ? Sender::kConductor : Sender::kNode, received_++);
+    if (!same_bytes(marked.mark, right.mark))
+        throw Error(ExitCode::kNetwork,
+                    "a lock-step message whose mark does not fit the run's key: something on its way has "
+                    "changed it (docs/lock-step.md)");
+    message = marked.message;
+    return sizeof message;
+}
+
+GrantDoor::GrantDoor(const Endpoint& here) : descriptor_(-1) {
+    prepare_security();
+    system_random_bytes()(key_.bytes);
+    const sockaddr_in address = conductor_at(here);
+    descriptor_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const int again = 1;  // the connections of the last run may linger
+    setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &again, sizeof again);
+    if (bind(descriptor_, raw(address), sizeof address) == 0 && listen(descriptor_, 16) == 0) return;
+    const int error = errno;
+    close(descriptor_);
+    throw Error(ExitCode::kNetwork,
+                "cannot listen on TCP {}:{}, where nodes of other machines get their grants: {}; choose "
+                "another base_port, or check host_session, in [network]",
+                here.host, here.port, std::strerror(error));
+}
+
+GrantDoor::~GrantDoor() { close(descriptor_); }
+
+std::unique_ptr<GrantStream> GrantDoor::take() {
+    const int came = accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC);
+    if (came < 0) return nullptr;
+    std::unique_ptr<GrantStream> stream(new GrantStream(came, GrantStream::Sender::kConductor));
+    return stream->admit(key_) ? std::move(stream) : nullptr;
+}
+
+}  // namespace thimble

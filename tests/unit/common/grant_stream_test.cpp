@@ -1,0 +1,133 @@
+// Grants over TCP: only a program with the run's key is let in, and no message is changed on its way.
+#include "common/runtime/grant_stream.hpp"
+
+#include <array>
+#include <future>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <thread>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "common/runtime/udp_socket.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "tests/refusal.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+Endpoint free_port() { return {"127.0.0.1", static_cast<std::uint16_t>(20000 + getpid() % 10000)}; }
+
+using Taken = std::unique_ptr<GrantStream>;
+
+Taken take_within(GrantDoor& door, Duration limit) {
+    const SessionTime end = wall_now() + limit;
+    for (Taken taken = door.take();; taken = door.take()) {
+        if (taken || wall_now() > end) return taken;
+        wall_sleep(std::chrono::milliseconds{1});
+    }
+}
+
+// Bytes pass it both ways; once asked, it changes one that goes to the node.
+class MeddlingWire {
+  public:
+    // `conductor`, `node`: descriptors, which it takes.
+    MeddlingWire(int conductor, int node) : ends_{conductor, node} {}
+    ~MeddlingWire() {
+        for (const int end : ends_) close(end);
+    }
+    void pass(std::size_t from, std::size_t bytes, bool meddle = false) {
+        std::array<std::uint8_t, 128> buffer{};
+        ASSERT_EQ(recv(ends_.at(from), buffer.data(), bytes, MSG_WAITALL), static_cast<ssize_t>(bytes));
+        if (meddle) buffer[8] ^= 1U;  // of the time
+        ASSERT_EQ(send(ends_.at(1 - from), buffer.data(), bytes, MSG_NOSIGNAL), static_cast<ssize_t>(bytes));
+    }
+
+  private:
+    std::array<int, 2> ends_;
+};
+
+class Grants : public testing::Test {
+  protected:
+    std::future<Taken> node_with(const SecretKey& key, const Endpoint& there) {
+        return std::async(std::launch::async,
+                          [=] { return GrantStream::to_conductor(there, key, "thimble-netem"); });
+    }
+    Endpoint here_ = free_port();
+    GrantDoor door_{here_};
+};
+
+TEST_F(Grants, ANodeWithTheKeyTalksWithItsConductor) {
+    auto coming = node_with(read_grant_key(grant_key_text(door_.key())), here_);
+    Taken taken = take_within(door_, std::chrono::seconds{5});
+    ASSERT_TRUE(taken);
+    EXPECT_EQ(taken->program(), "thimble-netem");
+    LockStepEnd conductor(std::move(taken), std::chrono::seconds{5});
+    LockStepEnd node(coming.get(), Duration{});
+    for (std::int64_t time_ns = 1; time_ns < 4; ++time_ns) {
+        LockStepMessage message;
+        message.kind = LockStepKind::kGrant;
+        message.time_ns = time_ns;
+        ASSERT_TRUE(conductor.send(message));
+        EXPECT_EQ(node.receive()->time_ns, time_ns);
+        message.kind = LockStepKind::kAnswer;
+        ASSERT_TRUE(node.send(message));
+        EXPECT_EQ(conductor.receive()->kind, LockStepKind::kAnswer);
+    }
+}
+
+TEST_F(Grants, AStrangerIsNotLetIn) {
+    SecretKey other = door_.key();
+    other.bytes[3] ^= 1U;
+    const auto stranger = node_with(other, here_);
+    EXPECT_FALSE(take_within(door_, std::chrono::milliseconds{300}));
+    auto coming = node_with(door_.key(), here_);
+    EXPECT_TRUE(take_within(door_, std::chrono::seconds{5}));
+    coming.wait();
+}
+
+TEST_F(Grants, AMessageThatIsChangedOnItsWayIsRefused) {
+    const Endpoint beside{"127.0.0.1", static_cast<std::uint16_t>(here_.port + 1)};
+    const auto address = UdpAddress::resolved(beside.host, beside.port, "").generic();
+    const auto way = UdpAddress::resolved(here_.host, here_.port, "").generic();
+    const int listening = socket(AF_INET, SOCK_STREAM, 0), to_door = socket(AF_INET, SOCK_STREAM, 0);
+    ASSERT_EQ(bind(listening, raw(address), sizeof address), 0);
+    ASSERT_EQ(listen(listening, 1), 0);
+    auto coming = node_with(door_.key(), beside);
+    ASSERT_EQ(connect(to_door, raw(way), sizeof way), 0);
+    MeddlingWire wire(to_door, accept(listening, nullptr, nullptr));
+    close(listening);
+    auto taking =
+        std::async(std::launch::async, [this] { return take_within(door_, std::chrono::seconds{5}); });
+    wire.pass(0, 32);
+    wire.pass(1, 96);
+    const Taken conductor = taking.get(), node = coming.get();
+    ASSERT_TRUE(conductor && node);
+    LockStepMessage message;
+    ASSERT_TRUE(conductor->send(message));
+    wire.pass(0, 128, true);
+    EXPECT_THAT(refusal([&] { node->receive(message); }, ExitCode::kNetwork),
+                HasSubstr("does not fit the run's key"));
+}
+
+TEST(GrantKey, MustBeAKey) {
+    EXPECT_THAT(refusal([] { read_grant_key("c0ffee"); }, ExitCode::kUsage),
+                HasSubstr("64 hexadecimal digits"));
+}
+
+TEST(GrantKey, WithoutAConductorANodeSaysWhere) {
+    EXPECT_THAT(refusal(
+                    [] {
+                        GrantStream::to_conductor({"127.0.0.1", 1}, {}, "thimble-netem");
+                    },
+                    ExitCode::kNetwork),
+                HasSubstr("TCP 127.0.0.1:1"));
+}
+
+}  // namespace
+}  // namespace thimble
