@@ -29,6 +29,17 @@ LockStepMessage answer(LockStepKind kind, const Process& process, const Datagram
     return message;
 }
 
+// Throws Error (network) if the node does more than the conductor expects.
+void tick_quietly(SessionTime now, Process& process, Sockets& sockets) {
+    const SessionTime next = process.next_wakeup();
+    process.tick(now);
+    if (process.next_wakeup() >= next && sockets.take_sent() == DatagramCounts{}) return;
+    throw Error(
+        ExitCode::kNetwork,
+        "lock-step: this program sends a datagram, or is due earlier, after a grant without an answer: "
+        "report this as an error of Thimble");
+}
+
 }  // namespace
 
 LockStepEnd::LockStepEnd(int descriptor, Duration limit) : descriptor_(descriptor), limit_(limit) {
@@ -75,8 +86,10 @@ void LockStepEnd::map(int page) {
 bool LockStepEnd::send(LockStepMessage message) {
     if (stream_) return stream_->send(message);
     if (by_page_) {
-        out_->message = message;
-        out_->turn.fetch_add(1, std::memory_order_release);
+        const std::uint32_t turn = out_->turn.load(std::memory_order_relaxed);
+        out_->messages[turn % LockStepPage::kRoom] = message;
+        out_->turn.store(turn + 1, std::memory_order_release);
+        if (message.kind == LockStepKind::kQuietGrant) return true;  // the next grant wakes the node
         syscall(SYS_futex, &out_->turn, FUTEX_WAKE, 1, nullptr, nullptr, 0);
         return true;
     }
@@ -132,8 +145,7 @@ ssize_t LockStepEnd::receive_by_page(LockStepMessage& message) {
         errno = late ? EAGAIN : EINTR;
         return -1;
     }
-    heard_ = in_->turn.load(std::memory_order_acquire);
-    message = in_->message;
+    message = in_->messages[heard_++ % LockStepPage::kRoom];
     return sizeof message;
 }
 
@@ -174,7 +186,11 @@ std::optional<LockStepMessage> LockStepEnd::receive() {
 std::optional<LockStepMessage> run_in_lock_step(LockStepEnd& conductor, Process& process, Sockets& sockets) {
     LockStepMessage reply = answer(LockStepKind::kReady, process, {});
     while (conductor.send(reply)) {
-        const auto order = conductor.receive();
+        auto order = conductor.receive();
+        for (; order && order->kind == LockStepKind::kQuietGrant; order = conductor.receive()) {
+            sockets.announce(order->datagrams);
+            tick_quietly(from_nanoseconds(order->time_ns), process, sockets);
+        }
         if (!order || order->kind != LockStepKind::kGrant) return order;
         sockets.announce(order->datagrams);
         process.tick(from_nanoseconds(order->time_ns));

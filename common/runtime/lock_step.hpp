@@ -17,7 +17,7 @@
 
 namespace thimble {
 
-inline constexpr std::uint16_t kLockStepVersion = 1;
+inline constexpr std::uint16_t kLockStepVersion = 2;
 // A wait looks so often whether a signal ends the program, and whether the other end still lives.
 inline constexpr Duration kLockStepLook = std::chrono::milliseconds{100};
 
@@ -27,6 +27,7 @@ enum class LockStepKind : std::uint16_t {
     kEnd,        // conductor: the last trial has ended
     kReady,      // node: my ports are open. time: my next wake-up
     kAnswer,  // node: I have done what is due. time: my next wake-up; so many datagrams I have sent to each port
+    kQuietGrant,  // conductor: as kGrant, but without an answer: the node sends nothing, and its next wake-up stays
 };
 
 // As on the wire, little-endian: one message is one datagram of a Unix socket (SOCK_SEQPACKET).
@@ -41,15 +42,17 @@ struct LockStepMessage {
 };
 static_assert(sizeof(LockStepMessage) == 96 && kPortCount <= 36);
 
-// Memory of both ends, which costs half of what the socket does. A futex is how often its message has been written.
+// Memory of both ends, which costs half of what the socket does. A futex is how many messages were written; there is room for that
+// many which the other end has not read.
 struct LockStepPage {
+    static constexpr std::uint32_t kRoom = 32;
     struct Slot {
         alignas(64) std::atomic<std::uint32_t> turn = 0;
-        LockStepMessage message;
+        std::array<LockStepMessage, kRoom> messages;
     };
     Slot order, answer;
 };
-static_assert(sizeof(LockStepPage) == 256);
+static_assert(sizeof(LockStepPage) == 6272);
 
 class GrantStream;
 
@@ -90,7 +93,7 @@ class LockStepEnd : boost::noncopyable {
     std::uint32_t heard_ = 0;
 };
 
-// Answers each grant with a tick, until another order comes, which it returns; none if the conductor is gone or a signal ends the program.
+// Answers each grant with a tick, after those that want no answer, until another order comes, which it returns; none if the conductor is gone or a signal ends the program.
 // Throws Error (network) if a datagram does not come.
 std::optional<LockStepMessage> run_in_lock_step(LockStepEnd& conductor, Process& process, Sockets& sockets);
 

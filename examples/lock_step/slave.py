@@ -11,7 +11,7 @@ import tomllib
 from messages import BEEP, COMMAND, FEEDBACK, FIXTURE, HEARTBEAT, ORDER, PROBE, REPLY, SLAVE_SIM, TRIAL_END, TRIAL_START, pack, unpack
 
 SURFACE_m, STIFFNESS_N_per_m, DAMPING_Ns_per_m, FIXTURE_N_per_m = 0.020, 1.5, 2.0, 3000.0
-LOCK_STEP, VERSION, BEGIN, END, READY, ANSWER = struct.Struct('<HHIqQ36H'), 1, 1, 3, 4, 5
+LOCK_STEP, VERSION, BEGIN, END, READY, ANSWER = struct.Struct('<HHIqQ36H'), 2, 1, 3, 4, 5
 # Ports, counted from the base port (docs/machines.md): where this program listens, and where its peers do.
 CONTROL, NEEDLE, STOP = 7, 14, 29
 SESSION, RECORD, DISPLAY, NETEM = 1, 5, 17, (19, 20, 21)

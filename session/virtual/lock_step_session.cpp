@@ -190,6 +190,13 @@ void AnnouncedMail::take(Role role, std::span<std::uint16_t> datagrams) {
     }
 }
 
+bool AnnouncedMail::only_at(Port port) const {
+    return std::all_of(kEveryPort.begin(), kEveryPort.end(), [&](Port other) {
+        const bool waits = waiting_[static_cast<std::size_t>(other)] > 0;
+        return owner(other) != owner(port) || waits == (other == port);
+    });
+}
+
 void GrantedProcess::begin(Duration limit) {
     LockStepMessage order;
     order.kind = LockStepKind::kBegin;
@@ -200,11 +207,14 @@ void GrantedProcess::begin(Duration limit) {
 
 void GrantedProcess::tick(SessionTime now) {
     LockStepMessage grant;
-    grant.kind = LockStepKind::kGrant;
+    const bool quiet = may_be_quiet(now);
+    grant.kind = quiet ? LockStepKind::kQuietGrant : LockStepKind::kGrant;
     grant.time_ns = to_nanoseconds(now);
+    quiet_ = quiet ? quiet_ + 1 : 0;
     mail_.take(role_, grant.datagrams);
     if (silence_) return;
     if (!end_.send(grant)) return lose(LockStepEnd::Silence::kGone);
+    if (quiet) return;
     take(LockStepKind::kAnswer);
     due_at_once_ = next_ <= now ? due_at_once_ + 1 : 0;
     if (due_at_once_ > kMostDueAtOnce)
@@ -212,6 +222,11 @@ void GrantedProcess::tick(SessionTime now) {
                     "lock-step: {} has answered {} times in a row that it is due at {} s, which is now: an "
                     "answer names a later time, or never",
                     to_string(role_), due_at_once_, to_seconds(now.time_since_epoch()));
+}
+
+// Between two frames a force changes what the display will draw, and nothing else: three of four grants of visual need no answer.
+bool GrantedProcess::may_be_quiet(SessionTime now) const {
+    return role_ == Role::kVisual && next_ > now && quiet_ < kMostQuiet && mail_.only_at(Port::kVisualForce);
 }
 
 std::optional<LockStepMessage> GrantedProcess::receive() {

@@ -27,6 +27,8 @@ class AnnouncedMail {
     void post(std::span<const std::uint16_t> sent);
     // For the ports of one program; the others are zero.
     void take(Role role, std::span<std::uint16_t> datagrams);
+    // Whether something waits for the owner of the port, and all of it there.
+    bool only_at(Port port) const;
 
   private:
     std::uint32_t* woken_;
@@ -50,6 +52,7 @@ class GrantedProcess final : public Process {
     std::optional<LockStepEnd::Silence> silence() const { return silence_; }
 
   private:
+    bool may_be_quiet(SessionTime now) const;
     std::optional<LockStepMessage> receive();
     void take(LockStepKind expected);
     void lose(LockStepEnd::Silence silence);
@@ -58,9 +61,11 @@ class GrantedProcess final : public Process {
     LockStepEnd& end_;
     AnnouncedMail& mail_;
     static constexpr int kMostDueAtOnce = 1000;
+    static constexpr unsigned kMostQuiet = LockStepPage::kRoom - 2;
 
     SessionTime next_ = kNever;
     int due_at_once_ = 0;  // answers in a row
+    unsigned quiet_ = 0;   // grants since the last answer
     std::optional<LockStepEnd::Silence> silence_;
 };
 

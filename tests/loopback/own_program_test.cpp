@@ -91,7 +91,7 @@ TEST_F(OwnProgram, ThatSpeaksAnotherVersionIsNamed) {
     EXPECT_THAT(
         outcome.words,
         HasSubstr("slave_sim sends a lock-step message of 96 bytes and version 7, but this program speaks "
-                  "version 1"));
+                  "version 2"));
 }
 
 // By netem, and by the session, which is in the conductor itself.

@@ -44,7 +44,7 @@ class Echo final : public Process {
     explicit Echo(Sockets& sockets)
         : in_(sockets.inlet(Port::kSlaveNeedle)), out_(sockets.outlet(Port::kNetemForceMaster)) {}
     void tick(SessionTime now) override {
-        next_ = now + milliseconds{1};
+        next_ = std::max(next_, now + milliseconds{1} - now.time_since_epoch() % milliseconds{1});
         for (Bytes taken = in_->receive(); !taken.empty(); taken = in_->receive()) {
             EXPECT_EQ(taken[0], 4);
             out_->send(std::array<std::uint8_t, 3>{1, 2, 3});
@@ -70,7 +70,7 @@ TEST_F(Ends, AnotherVersionIsRefused) {
     other.version = 7;
     ASSERT_TRUE(node_->send(other));
     EXPECT_THAT(refusal([&] { conductor_->receive(); }, ExitCode::kNetwork),
-                HasSubstr("version 7, but this program speaks version 1"));
+                HasSubstr("version 7, but this program speaks version 2"));
 }
 
 TEST_F(Ends, OneThatSaysNothingIsLateAndOneThatEndsIsGone) {
@@ -114,6 +114,8 @@ TEST_P(WayOfGrants, AGrantIsAnsweredWithTheNextWakeUpAndWhatWasSent) {
     grant.datagrams[static_cast<std::size_t>(Port::kSlaveNeedle)] = 2;  // the third has not been announced
     conductor_->send(grant);
     const auto answer = conductor_->receive();
+    for (const std::int64_t time_ns : {5'200'000, 5'400'000})
+        conductor_->send(message_of(LockStepKind::kQuietGrant, time_ns));
     conductor_->send(message_of(LockStepKind::kGrant, 6'000'000));
     const auto next = conductor_->receive();
     conductor_->send(message_of(LockStepKind::kEnd));
@@ -126,6 +128,20 @@ TEST_P(WayOfGrants, AGrantIsAnsweredWithTheNextWakeUpAndWhatWasSent) {
     EXPECT_EQ(answer->datagrams[static_cast<std::size_t>(Port::kNetemForceMaster)], 2);
     EXPECT_EQ(next->time_ns, 7'000'000);
     EXPECT_EQ(next->datagrams[static_cast<std::size_t>(Port::kNetemForceMaster)], 0);
+}
+
+TEST_F(Ends, ANodeThatSpeaksAfterAQuietGrantIsAnError) {
+    Sockets sockets(somewhere()), sender(somewhere());
+    sockets.count_datagrams(kShort);
+    sender.count_datagrams(kShort);
+    Echo echo(sockets);
+    sender.between(Port::kNetemControl, Port::kSessionNetem);
+    sender.outlet(Port::kSlaveNeedle)->send(std::array<std::uint8_t, 2>{4, 5});
+    LockStepMessage grant = message_of(LockStepKind::kQuietGrant);
+    grant.datagrams[static_cast<std::size_t>(Port::kSlaveNeedle)] = 1;
+    conductor_->send(grant);
+    EXPECT_THAT(refusal([&] { run_in_lock_step(*node_, echo, sockets); }, ExitCode::kNetwork),
+                HasSubstr("after a grant without an answer"));
 }
 
 TEST_F(Ends, APageDoesNotHideThatANodeIsLateOrGone) {
