@@ -140,6 +140,14 @@ void NodeProcess::give_up_if_alone(SessionTime now) {
     if (orders_.silent_for(now, kPeerTimeout) || peer_lost) give_up(now, EndReason::kPeerLost);
 }
 
+SessionTime NodeProcess::patient_until() {
+    if (!running()) return kNever;
+    const InboundFlow* const vital = vital_flow();
+    const SessionTime heard = vital == nullptr ? orders_.last_accepted()
+                                               : std::min(orders_.last_accepted(), vital->last_accepted());
+    return heard + kPeerTimeout;
+}
+
 void NodeProcess::excuse_standstill() {
     orders_.did_not_listen(ticks_.stood_still());
     if (InboundFlow* vital = vital_flow()) vital->did_not_listen(ticks_.stood_still());

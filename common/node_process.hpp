@@ -59,6 +59,8 @@ class NodeProcess : public Process {
     void tick(SessionTime now) final;
     SessionTime next_wakeup() const final;
     bool stopped() const final { return stopped_; }
+    // Before then no silence ends the trial, even if all that comes is refused.
+    SessionTime patient_until();
 
     // A trial that cannot be written down is given up, as one whose device fails. `recorder` outlives this.
     void record_with(const Recorder& recorder) { recorder_ = &recorder; }

@@ -29,17 +29,6 @@ LockStepMessage answer(LockStepKind kind, const Process& process, const Datagram
     return message;
 }
 
-// Throws Error (network) if the node does more than the conductor expects.
-void tick_quietly(SessionTime now, Process& process, Sockets& sockets) {
-    const SessionTime next = process.next_wakeup();
-    process.tick(now);
-    if (process.next_wakeup() >= next && sockets.take_sent() == DatagramCounts{}) return;
-    throw Error(
-        ExitCode::kNetwork,
-        "lock-step: this program sends a datagram, or is due earlier, after a grant without an answer: "
-        "report this as an error of Thimble");
-}
-
 }  // namespace
 
 LockStepEnd::LockStepEnd(int descriptor, Duration limit) : descriptor_(descriptor), limit_(limit) {
@@ -183,18 +172,20 @@ std::optional<LockStepMessage> LockStepEnd::receive() {
     return message;
 }
 
-std::optional<LockStepMessage> run_in_lock_step(LockStepEnd& conductor, Process& process, Sockets& sockets) {
+std::optional<LockStepMessage> run_in_lock_step(LockStepEnd& conductor, Process& process, Sockets& sockets,
+                                                const std::function<SessionTime()>& quiet_until) {
     LockStepMessage reply = answer(LockStepKind::kReady, process, {});
     while (conductor.send(reply)) {
         auto order = conductor.receive();
         for (; order && order->kind == LockStepKind::kQuietGrant; order = conductor.receive()) {
             sockets.announce(order->datagrams);
-            tick_quietly(from_nanoseconds(order->time_ns), process, sockets);
+            process.tick(from_nanoseconds(order->time_ns));
         }
         if (!order || order->kind != LockStepKind::kGrant) return order;
         sockets.announce(order->datagrams);
         process.tick(from_nanoseconds(order->time_ns));
         reply = answer(LockStepKind::kAnswer, process, sockets.take_sent());
+        if (quiet_until) reply.instance = static_cast<std::uint64_t>(to_nanoseconds(quiet_until()));
     }
     return std::nullopt;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <sys/types.h>
@@ -27,7 +28,7 @@ enum class LockStepKind : std::uint16_t {
     kEnd,        // conductor: the last trial has ended
     kReady,      // node: my ports are open. time: my next wake-up
     kAnswer,  // node: I have done what is due. time: my next wake-up; so many datagrams I have sent to each port
-    kQuietGrant,  // conductor: as kGrant, but without an answer: the node sends nothing, and its next wake-up stays
+    kQuietGrant,  // conductor: as kGrant, but without an answer, since the node will not send and is due no earlier
 };
 
 // As on the wire, little-endian: one message is one datagram of a Unix socket (SOCK_SEQPACKET).
@@ -37,7 +38,8 @@ struct LockStepMessage {
     std::uint32_t by_page =
         0;  // of the first kReady, 1: from now on both ends use the page that came with kBegin
     std::int64_t time_ns = 0;
-    std::uint64_t instance = 0;  // of kBegin: the node's own number in the headers of its messages
+    // Of kBegin: the node's own number in the headers of its messages. Of kAnswer: before that time, in ns, forces may come by kQuietGrant.
+    std::uint64_t instance = 0;
     std::array<std::uint16_t, 36> datagrams{};  // by Port, as far as there are ports
 };
 static_assert(sizeof(LockStepMessage) == 96 && kPortCount <= 36);
@@ -95,6 +97,8 @@ class LockStepEnd : boost::noncopyable {
 
 // Answers each grant with a tick, after those that want no answer, until another order comes, which it returns; none if the conductor is gone or a signal ends the program.
 // Throws Error (network) if a datagram does not come.
-std::optional<LockStepMessage> run_in_lock_step(LockStepEnd& conductor, Process& process, Sockets& sockets);
+// `quiet_until`, which may be empty: for each answer.
+std::optional<LockStepMessage> run_in_lock_step(LockStepEnd& conductor, Process& process, Sockets& sockets,
+                                                const std::function<SessionTime()>& quiet_until = {});
 
 }  // namespace thimble

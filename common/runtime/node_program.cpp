@@ -252,7 +252,8 @@ class ConductedNode {
             instance->process().record_with(*log);
         }
         Guarded process(instance->process(), sockets.security(), log.get());
-        const auto order = run_in_lock_step(conductor, process, sockets);
+        const auto order = run_in_lock_step(conductor, process, sockets,
+                                            [&] { return instance->process().patient_until(); });
         report_ = describe_program(program_, *instance, sockets, instance->process().counters(),
                                    LoopStatistics{}, instance->process().overruns());
         if (log) {

@@ -224,9 +224,10 @@ void GrantedProcess::tick(SessionTime now) {
                     to_string(role_), due_at_once_, to_seconds(now.time_since_epoch()));
 }
 
-// Between two frames a force changes what the display will draw, and nothing else: three of four grants of visual need no answer.
+// Between two frames a force changes the next picture, and nothing else.
 bool GrantedProcess::may_be_quiet(SessionTime now) const {
-    return role_ == Role::kVisual && next_ > now && quiet_ < kMostQuiet && mail_.only_at(Port::kVisualForce);
+    return role_ == Role::kVisual && now < std::min(next_, quiet_until_) && quiet_ < kMostQuiet &&
+           mail_.only_at(Port::kVisualForce);
 }
 
 std::optional<LockStepMessage> GrantedProcess::receive() {
@@ -245,6 +246,7 @@ void GrantedProcess::take(LockStepKind expected) {
         throw Error(ExitCode::kNetwork, "lock-step: {} gave an answer of kind {} where kind {} was due",
                     to_string(role_), static_cast<int>(answer->kind), static_cast<int>(expected));
     next_ = from_nanoseconds(answer->time_ns);
+    quiet_until_ = from_nanoseconds(static_cast<std::int64_t>(answer->instance));
     mail_.post(answer->datagrams);
 }
 

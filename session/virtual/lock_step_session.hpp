@@ -66,6 +66,7 @@ class GrantedProcess final : public Process {
     SessionTime next_ = kNever;
     int due_at_once_ = 0;  // answers in a row
     unsigned quiet_ = 0;   // grants since the last answer
+    SessionTime quiet_until_{};
     std::optional<LockStepEnd::Silence> silence_;
 };
 
