@@ -31,7 +31,7 @@ class GrantStream : boost::noncopyable {
     bool send(const LockStepMessage& message);
     // As recv(2): 0 if the other end is gone, -1 if nothing has come. Throws Error (network) if the mark is not right.
     ssize_t receive(LockStepMessage& message);
-    // Whose end it is, as the node says: "thimble-netem".
+    // The node names it: "thimble-netem".
     const std::string& program() const { return program_; }
 
   private:
@@ -64,7 +64,7 @@ class GrantDoor : boost::noncopyable {
     ~GrantDoor();
 
     const SecretKey& key() const { return key_; }
-    // Of a node that waits; null: nobody waits who has the key. A stranger is waited for no longer than a moment.
+    // Of a node that waits; null: no program with the key waits. A stranger gets a moment to show the key.
     std::unique_ptr<GrantStream> take();
 
   private:

@@ -17,7 +17,7 @@ constexpr unsigned kLookEvery = 64;  // instants: to look around costs more than
 constexpr Duration kProgressPeriod = std::chrono::milliseconds{500};
 constexpr Duration kViewPeriod = std::chrono::milliseconds{4};  // several per frame of a screen
 
-// The observer of a condition. Its sockets are its own: nobody counts their datagrams, and it changes no byte of a trial. Its clock
+// The observer of a condition. Its sockets are its own: the conductor counts none of their datagrams. Its clock
 // goes on from trial to trial, so a view hears one session. It speaks no more often than by the wall clock.
 class Watch {
   public:
