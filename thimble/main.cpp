@@ -29,9 +29,9 @@ std::vector<Purpose> add_commands(CLI::App& app, const std::string& typed) {
     purposes.push_back({"Network", {add_link_test(app)}});
     purposes.push_back({"Stability", {add_stability(app), add_sweep(app)}});
     purposes.push_back({"Logs", {add_log(app)}});
-    purposes.push_back(
-        {"This machine and others",
-         {add_doctor(app), add_stop(app), add_keygen(app), add_config(app), add_completion(app)}});
+    purposes.push_back({"This machine and others",
+                        {add_doctor(app), add_stop(app), add_keygen(app), add_config(app),
+                         add_completion(app), add_swarm(app)}});
     for (const Purpose& purpose : purposes) {
         for (const Subcommand& command : purpose.commands) command.subcommand->group(purpose.title);
     }

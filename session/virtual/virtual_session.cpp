@@ -23,24 +23,29 @@ VirtualSession::VirtualSession(const SystemSettings& s, const std::shared_ptr<co
       actuator_(s.cutaneous),
       display_(s.visual.pipeline),
       devices_(devices),
-      session_(granted_instance(Role::kSession), session_settings(s), network_.of(Role::kSession)),
-      netem_(granted_instance(Role::kNetem), s.netem, network_.of(Role::kNetem)),
-      slave_(granted_instance(Role::kSlaveSim), s.slave, network_.of(Role::kSlaveSim)),
-      cutaneous_(granted_instance(Role::kCutaneous), s.cutaneous, network_.of(Role::kCutaneous),
-                 given_or(devices.actuator, actuator_)),
-      visual_(granted_instance(Role::kVisual), s.visual, network_.of(Role::kVisual),
-              given_or(devices.display, display_)),
-      master_(make_master(granted_instance(Role::kMaster))) {
+      session_(granted_instance(Role::kSession), session_settings(s), network_.of(Role::kSession)) {
+    for (const Role role : {Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual, Role::kMaster})
+        make(role, granted_instance(role));
     add(session_, Role::kSession);
     for (const Role role : {Role::kMaster, Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual}) {
         add(node(role), role);
     }
 }
 
-std::unique_ptr<MasterProcess> VirtualSession::make_master(std::uint64_t instance) {
-    return std::make_unique<MasterProcess>(instance, settings_.master, network_.of(Role::kMaster),
-                                           given_or(devices_.handle, handle_),
-                                           given_or(devices_.person, handle_), devices_.follower);
+void VirtualSession::make(Role role, std::uint64_t instance) {
+    Ports& ports = network_.of(role);
+    if (role == Role::kMaster)
+        master_ = std::make_unique<MasterProcess>(instance, settings_.master, ports,
+                                                  given_or(devices_.handle, handle_),
+                                                  given_or(devices_.person, handle_), devices_.follower);
+    if (role == Role::kNetem) netem_ = std::make_unique<NetemProcess>(instance, settings_.netem, ports);
+    if (role == Role::kSlaveSim) slave_ = std::make_unique<SlaveProcess>(instance, settings_.slave, ports);
+    if (role == Role::kCutaneous)
+        cutaneous_ = std::make_unique<CutaneousProcess>(instance, settings_.cutaneous, ports,
+                                                        given_or(devices_.actuator, actuator_));
+    if (role == Role::kVisual)
+        visual_ = std::make_unique<VisualProcess>(instance, settings_.visual, ports,
+                                                  given_or(devices_.display, display_));
 }
 
 void VirtualSession::add(Process& process, Role role) {
@@ -53,8 +58,8 @@ void VirtualSession::add(Process& process, Role role) {
 }
 
 NodeProcess& VirtualSession::node(Role role) {
-    for (NodeProcess* one :
-         std::initializer_list<NodeProcess*>{&netem_, &slave_, &cutaneous_, &visual_, master_.get()}) {
+    for (NodeProcess* one : std::initializer_list<NodeProcess*>{netem_.get(), slave_.get(), cutaneous_.get(),
+                                                                visual_.get(), master_.get()}) {
         if (one->role() == role) return *one;
     }
     throw std::out_of_range("no node has this role");
@@ -99,9 +104,9 @@ void VirtualSession::release_stop() {
     loop_.poke(bit(Role::kSession));
 }
 
-void VirtualSession::restart_master() {
-    master_ = make_master(granted_instance(Role::kMaster) + 1);
-    loop_.replace(bit(Role::kMaster), *master_);
+void VirtualSession::restart(Role role) {
+    make(role, granted_instance(role) + ++restarts_);
+    loop_.replace(bit(role), node(role));
 }
 
 TrialRecord run_virtual_trial(const SystemSettings& settings, const TrialConditions& conditions) {

@@ -53,10 +53,10 @@ class VirtualSession final : public SteppedSession {
     const SimulatedHandle& handle() const { return handle_; }
     const SimulatedActuator& actuator() const { return actuator_; }
     const MasterProcess& master() const { return *master_; }
-    const NetemProcess& netem() const { return netem_; }
-    const SlaveProcess& slave() const { return slave_; }
-    const CutaneousProcess& cutaneous() const { return cutaneous_; }
-    const VisualProcess& visual() const { return visual_; }
+    const NetemProcess& netem() const { return *netem_; }
+    const SlaveProcess& slave() const { return *slave_; }
+    const CutaneousProcess& cutaneous() const { return *cutaneous_; }
+    const VisualProcess& visual() const { return *visual_; }
     NodeProcess& node(Role role);  // of kNodeRoles
     QueueNetwork& network() { return network_; }
     VirtualLoop& loop() { return loop_; }
@@ -66,12 +66,12 @@ class VirtualSession final : public SteppedSession {
     // A stop at that program, and the session's release of all stops. Both go over the stop buses, as between real processes.
     void emergency_stop(Role at, std::string_view words);
     void release_stop();
-    // Replaces the master by a new instance, as after a crash and a new start. Without a lab key only.
-    void restart_master();
+    // Replaces a node by a new instance, as after a crash and a new start. Without a lab key only.
+    void restart(Role role);
 
   private:
     void add(Process& process, Role role);
-    std::unique_ptr<MasterProcess> make_master(std::uint64_t instance);
+    void make(Role role, std::uint64_t instance);
 
     SystemSettings settings_;
     QueueNetwork network_;
@@ -80,14 +80,15 @@ class VirtualSession final : public SteppedSession {
     RecordingDisplay display_;
     VirtualDevices devices_;
     SessionProcess session_;
-    NetemProcess netem_;
-    SlaveProcess slave_;
-    CutaneousProcess cutaneous_;
-    VisualProcess visual_;
+    std::unique_ptr<NetemProcess> netem_;
+    std::unique_ptr<SlaveProcess> slave_;
+    std::unique_ptr<CutaneousProcess> cutaneous_;
+    std::unique_ptr<VisualProcess> visual_;
     std::unique_ptr<MasterProcess> master_;
     std::vector<std::unique_ptr<SecuredProcess>> secured_;
     VirtualLoop loop_;
     std::array<std::uint32_t, kRoleCount> bits_{};  // by Role
+    std::uint64_t restarts_ = 0;
     std::optional<LostNode> lost_;
 };
 

@@ -230,7 +230,7 @@ class Rig {
     // From now on the simulated handle has failed, as a real one may, with these words.
     void break_handle(const std::string& words) { breakable_.words = words; }
     // The master's program dies and starts anew, as another instance.
-    void restart_master() { virtual_.restart_master(); }
+    void restart_master() { virtual_.restart(Role::kMaster); }
 
     // Over all nodes, since start.
     FlowCounters counters() const {

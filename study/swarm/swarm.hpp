@@ -1,0 +1,47 @@
+// Many cases of the swarm, one per seed.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "study/swarm/swarm_trial.hpp"
+
+namespace thimble {
+
+struct SwarmOptions {
+    std::uint64_t seed = 1;  // of the first case; the next one has the next seed
+    std::uint64_t trials = 1;
+    unsigned jobs = 0;                        // 0: one per core
+    std::filesystem::path out;                // of the smallest cases that fail
+    const std::atomic<bool>* stop = nullptr;  // ends the swarm after the running cases
+    BreakForce break_force;                   // of tests
+};
+
+struct SwarmFailure {
+    std::uint64_t seed = 0;
+    Violation violation;
+    SwarmCase smallest;
+    std::filesystem::path file;  // that has it
+};
+
+struct SwarmResult {
+    std::uint64_t cases = 0, trials = 0;
+    double simulated_s = 0;
+    std::array<std::uint64_t, static_cast<std::size_t>(FaultKind::kCount)> faults{};
+    std::array<std::uint64_t, static_cast<std::size_t>(kLastEndReason) + 1> ends{};
+    std::vector<SwarmFailure> failures;
+    bool complete = false;
+};
+
+// Ends early after kMostFailures. Throws Error (run failed) if a file cannot be written.
+inline constexpr std::size_t kMostFailures = 20;
+SwarmResult run_swarm(const SwarmOptions& options);
+
+// "seed 17: force-limit at 2.31 s: 13.2 N (...)", with the command that repeats it.
+std::string failure_text(const SwarmFailure& failure);
+std::string swarm_json(const SwarmOptions& options, const SwarmResult& result);
+
+}  // namespace thimble

@@ -1,0 +1,20 @@
+// One case of the swarm, from its start to its end.
+#pragma once
+
+#include <optional>
+
+#include "study/swarm/watched_parts.hpp"
+
+namespace thimble {
+
+struct SwarmOutcome {
+    std::optional<Violation> violation;
+    std::uint64_t digest = 0;  // of all forces at the handle
+    double simulated_s = 0;
+    std::vector<EndReason> ends;  // of the trials
+};
+
+// Removes from the case the keys that a reader refuses. `break_force`: null, but in a test that breaks something.
+SwarmOutcome run_case(SwarmCase& one, const BreakForce& break_force = {});
+
+}  // namespace thimble

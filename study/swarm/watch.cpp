@@ -1,0 +1,289 @@
+#include "study/swarm/watch.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "netem/link_settings.hpp"
+#include "study/swarm/swarm_case.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Duration kSlack = std::chrono::milliseconds{2};
+constexpr std::size_t kForcesKept = 8;
+constexpr double kRounding = 1e-9;
+// A stop is repeated every 50 ms. A program that was started since hears of it within 500 ms.
+constexpr Duration kStopReaches = 3 * kStopRepeat, kStopReachesNew = kStopPassedOn + 3 * kStopRepeat;
+
+const ForceFeedback* force_in(const Message& message) {
+    if (const auto* wave = std::get_if<ForceWave>(&message.body)) return &wave->feedback;
+    return std::get_if<ForceFeedback>(&message.body);
+}
+
+bool no_force(const ForceFeedback& f) {
+    return f.force_total_N == 0 && f.force_tissue_N == 0 && f.force_fixture_N == 0;
+}
+
+bool all_finite(std::initializer_list<double> values) {
+    return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+}
+
+}  // namespace
+
+Watch::Watch(const SystemSettings& settings, bool sealed) : settings_(settings), sealed_(sealed) {
+    allow_delay(session_settings(settings).network_delay);
+}
+
+void Watch::begin_trial(const TrialConditions& conditions) {
+    modality_ = conditions.modality;
+    trial_ = conditions.trial;
+    last_sample_s_ = -1;
+}
+
+void Watch::fail(Rule rule, std::string text) { verdict_.fail(rule, now(), std::move(text)); }
+
+void Watch::freeze(Role role) {
+    of(role).frozen = true;
+    frozen_at_ = now();
+}
+
+void Watch::run_again(Role role, bool anew) {
+    Program& program = of(role);
+    stood_still_ += now() - frozen_at_;
+    program.frozen = false;
+    program.since = now();
+    if (!anew) return;
+    program.stopped = false;
+    program.new_instance = true;
+}
+
+void Watch::release() { released_ = true; }
+
+void Watch::disturb(Port port) {
+    if (std::find(kStopPorts.begin(), kStopPorts.end(), port) != kStopPorts.end()) buses_disturbed_ = true;
+}
+
+void Watch::handle_commanded(SessionTime now, double force_N) {
+    digest_ = (digest_ ^ std::bit_cast<std::uint64_t>(force_N)) * 0x100000001b3U;
+    const GuardSettings& guard = settings_.master.guard;
+    if (!std::isfinite(force_N) || std::abs(force_N) > guard.force_limit_N)
+        fail(Rule::kForceLimit, fmt::format("{} N", force_N));
+    const double before_N = handle_N_ * force_N > 0 ? std::abs(handle_N_) : 0;
+    const double grown_s =
+        to_seconds(std::min<Duration>(now - commanded_at_, settings_.master.sample_period));
+    const double most_N = before_N + guard.force_rate_limit_N_per_s * grown_s;
+    if (guard.force_rate_limit_N_per_s > 0 && std::abs(force_N) > most_N * (1 + kRounding) + kRounding)
+        fail(Rule::kForceRate, fmt::format("{} N after {} N", force_N, handle_N_));
+    if (force_N != 0 && modality_ != Modality::kHF)
+        fail(Rule::kForceModality, fmt::format("{} N in {}", force_N, to_string(modality_)));
+    if (force_N != 0 && gave_too_much_) fail(Rule::kGuardEnergy, fmt::format("{} N", force_N));
+    handle_N_ = force_N;
+    commanded_at_ = now;
+}
+
+void Watch::handle_enabled() {
+    energy_.clear();
+    highest_J_.clear();
+    gave_too_much_ = false;
+}
+
+void Watch::handle_read(SessionTime now, const HandleSample& sample) {
+    const GuardSettings& guard = settings_.master.guard;
+    if (guard.energy_limit_J <= 0 || !sample.valid) return;
+    energy_.add(sample.position_hand_m, sample.force_hand_N);
+    const double energy_J = energy_.energy_in_J();
+    while (!highest_J_.empty() && highest_J_.back().energy_J <= energy_J) highest_J_.pop_back();
+    highest_J_.push_back({now, energy_J});
+    while (now - highest_J_.front().at >= guard.energy_window) highest_J_.pop_front();
+    const double given_out_J = highest_J_.front().energy_J - energy_J;
+    if (given_out_J > guard.energy_limit_J * (1 + kRounding)) gave_too_much_ = true;
+}
+
+void Watch::finger_commanded(SessionTime /*now*/, double force_N) {
+    if (!std::isfinite(force_N) || force_N < 0 || force_N > settings_.cutaneous.guard_limit_N)
+        fail(Rule::kFingerLimit, fmt::format("{} N commanded", force_N));
+    const bool wears = modality_ == Modality::kCF || modality_ == Modality::kCCF ||
+                       (modality_ == Modality::kHF && settings_.cutaneous.hand_share < 1);
+    if (force_N != 0 && !wears)
+        fail(Rule::kFingerModality, fmt::format("{} N in {}", force_N, to_string(modality_)));
+    finger_N_ = force_N;
+}
+
+void Watch::finger_felt(double force_N) {
+    const double most_N = std::min(settings_.cutaneous.force_limit_N, settings_.cutaneous.guard_limit_N);
+    if (!std::isfinite(force_N) || force_N < 0 || force_N > most_N)
+        fail(Rule::kFingerLimit, fmt::format("{} N felt", force_N));
+}
+
+void Watch::bar_drawn(SessionTime /*now*/, const Scene& scene) {
+    bar_N_ = scene.bar_N;
+    const bool numbers =
+        all_finite({scene.bar_N, scene.position_needle_m, scene.position_surface_m, scene.fingertip_N});
+    if (!numbers || scene.bar_N < 0) fail(Rule::kBarSilence, fmt::format("the bar shows {} N", scene.bar_N));
+    if (scene.bar_N != 0 && modality_ != Modality::kVF)
+        fail(Rule::kBarSilence, fmt::format("the bar shows {} N in {}", scene.bar_N, to_string(modality_)));
+    const Duration silent = silence(force_bar_, Role::kVisual);
+    if (scene.bar_N != 0 && silent > most_silence(settings_.visual.stale) + kSlack)
+        fail(Rule::kBarSilence, fmt::format("{} N, {} s after the last force", bar_N_, to_seconds(silent)));
+}
+
+void Watch::sample_recorded(const TrajectorySample& s) {
+    const bool numbers = all_finite({s.time_s, s.position_needle_m, s.position_surface_m, s.force_tissue_N,
+                                     s.force_fixture_N, s.force_total_N, s.contact_time_s});
+    if (!numbers || s.time_s <= last_sample_s_)
+        fail(Rule::kRecordFinite,
+             fmt::format("a sample at {} s after one at {} s", s.time_s, last_sample_s_));
+    last_sample_s_ = s.time_s;
+}
+
+void Watch::sent(Port to, Bytes datagram) {
+    if (to != Port::kSessionRecord || sealed_) return;
+    const Decoded decoded = decode(datagram);
+    const auto* feedback = decoded.message ? std::get_if<ForceFeedback>(&decoded.message->body) : nullptr;
+    if (feedback != nullptr) watch_needle(*feedback, decoded.message->header.trial);
+}
+
+void Watch::watch_needle(const ForceFeedback& feedback, std::uint32_t trial) {
+    if (feedback.needle_held && !no_force(feedback)) fail(Rule::kHeldNeedle, "a held needle with a force");
+    const bool again = feedback.needle_held && newest_.needle_held && trial == newest_trial_;
+    if (again && feedback.position_needle_m != newest_.position_needle_m)
+        fail(Rule::kHeldNeedle, "a held needle that moved");
+    newest_ = feedback;
+    newest_trial_ = trial;
+}
+
+void Watch::arrived(Port to, Bytes datagram) {
+    InputNews* input = to == Port::kMasterForce      ? &force_handle_
+                       : to == Port::kCutaneousForce ? &force_finger_
+                       : to == Port::kVisualForce    ? &force_bar_
+                       : to == Port::kSlaveNeedle    ? &needle_
+                                                     : nullptr;
+    if (input == nullptr) return;
+    if (sealed_) {
+        input->at = now();
+        return;
+    }
+    const Decoded decoded = decode(datagram);
+    if (!decoded.message) return;
+    input->hear(now(), decoded.message->header);
+    if (to == Port::kMasterForce) hear_force(*decoded.message);
+}
+
+void Watch::hear_force(const Message& message) {
+    const ForceFeedback* force = force_in(message);
+    if (force == nullptr) return;
+    newest_echo_ = std::max(newest_echo_, force->needle_held ? now() : force->echo_time);
+    forces_N_.push_back(-settings_.master.force_scale * force->force_total_N);
+    if (forces_N_.size() > kForcesKept) forces_N_.pop_front();
+}
+
+Duration Watch::silence(const InputNews& input, Role role) {
+    return now() - std::max(input.at, of(role).since);
+}
+
+// With "hold" the trial ends, once everybody was listened to again.
+Duration Watch::most_silence(const StalePolicy& policy) const {
+    if (policy.mode == StaleMode::kHold) return kPeerTimeout + kHeartbeatPeriod + allowed_ + stood_still_;
+    return policy.after + (policy.mode == StaleMode::kRamp ? policy.ramp : Duration{});
+}
+
+void Watch::watch_silence() {
+    const Duration period = settings_.master.sample_period;
+    const Duration most = most_silence(settings_.master.stale) + period + kSlack;
+    if (handle_N_ != 0 && !of(Role::kMaster).frozen) {
+        const Duration silent = silence(force_handle_, Role::kMaster);
+        if (silent > most)
+            fail(Rule::kForceSilence,
+                 fmt::format("{} N, {} s after the last force", handle_N_, to_seconds(silent)));
+        const Duration oldest = std::max(allowed_, settings_.master.oldest_force);
+        const Duration age = now() - std::max(newest_echo_, of(Role::kMaster).since);
+        if (!sealed_ && settings_.master.stale.mode != StaleMode::kHold && age > oldest + most)
+            fail(Rule::kForceAge, fmt::format("{} N, of a sample {} s ago", handle_N_, to_seconds(age)));
+        const bool plain = !sealed_ && settings_.master.control.compensator == Compensator::kNone;
+        const auto covers = [this](double force_N) {
+            return force_N * handle_N_ > 0 && std::abs(handle_N_) <= std::abs(force_N) * (1 + kRounding);
+        };
+        if (plain && std::none_of(forces_N_.begin(), forces_N_.end(), covers))
+            fail(Rule::kForceSent, fmt::format("{} N", handle_N_));
+    }
+    const Duration finger =
+        most_silence(settings_.cutaneous.stale) + settings_.cutaneous.percept_period + kSlack;
+    if (finger_N_ != 0 && !of(Role::kCutaneous).frozen && silence(force_finger_, Role::kCutaneous) > finger)
+        fail(Rule::kFingerSilence, fmt::format("{} N", finger_N_));
+    const bool moves =
+        session_->slave().state() == NodeState::kRunning && !newest_.needle_held && newest_trial_ == trial_;
+    if (moves && !sealed_ && !of(Role::kSlaveSim).frozen &&
+        silence(needle_, Role::kSlaveSim) > settings_.slave.stale_after + kSlack)
+        fail(Rule::kHeldNeedle, "a needle without commands is not held");
+}
+
+const StopBus& Watch::bus(Role role) const {
+    return role == Role::kSession ? session_->session().stop_bus() : session_->node(role).stop_bus();
+}
+
+void Watch::watch_rest(Role role) {
+    const bool runs = role != Role::kSession && session_->node(role).state() == NodeState::kRunning;
+    const bool pushes =
+        (role == Role::kMaster && handle_N_ != 0) || (role == Role::kCutaneous && finger_N_ != 0);
+    if (runs || pushes)
+        fail(Rule::kStopRests, fmt::format("{} {}", to_string(role), runs ? "runs a trial" : "pushes"));
+}
+
+void Watch::watch_stops() {
+    bool any = false;
+    for (const Role role : kSwarmPrograms) {
+        Program& program = of(role);
+        const bool stopped = bus(role).stopped();
+        if (program.stopped && !stopped && !released_)
+            fail(Rule::kStopHolds, fmt::format("{} holds it no more", to_string(role)));
+        program.stopped = stopped;
+        any = any || (stopped && !program.frozen);
+        if (stopped && !program.frozen) watch_rest(role);
+    }
+    if (!any) {
+        stop_since_ = kNever;
+        for (Program& program : programs_) program.new_instance = false;
+    } else if (stop_since_ == kNever) {
+        stop_since_ = now();
+    }
+    if (!any || buses_disturbed_ || released_) return;
+    for (const Role role : kSwarmPrograms) {
+        const Program& program = of(role);
+        const Duration most = program.new_instance ? kStopReachesNew : kStopReaches;
+        const bool late = now() - std::max(stop_since_, program.since) > most;
+        if (!program.frozen && !program.stopped && late)
+            fail(Rule::kStopReaches, fmt::format("{} knows nothing of it", to_string(role)));
+    }
+}
+
+void Watch::instant() {
+    watch_silence();
+    watch_stops();
+}
+
+void Watch::rests() {
+    if (handle_N_ != 0 && !of(Role::kMaster).frozen)
+        fail(Rule::kRestAfter, fmt::format("{} N at the handle", handle_N_));
+    if (finger_N_ != 0 && !of(Role::kCutaneous).frozen)
+        fail(Rule::kRestAfter, fmt::format("{} N at a finger", finger_N_));
+    if (!sealed_ && !no_force(newest_) && !of(Role::kSlaveSim).frozen)
+        fail(Rule::kRestAfter, "a force in slave_sim");
+}
+
+void Watch::count() {
+    for (const Relay& relay : session_->netem().relays()) {
+        const LinkCounters& c = relay.model.counters();
+        const std::uint64_t gone =
+            c.lost + c.outage + c.oversized + c.queue_full + c.overflowed + c.delivered;
+        if (c.pushed + c.duplicated != gone + relay.model.in_flight())
+            fail(Rule::kCountsAddUp, fmt::format("{} came, {} went, {} are under way",
+                                                 c.pushed + c.duplicated, gone, relay.model.in_flight()));
+    }
+}
+
+}  // namespace thimble
