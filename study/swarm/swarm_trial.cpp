@@ -49,7 +49,7 @@ class CaseRun {
 
     void run() {
         begin_and_end_faults();
-        for (std::uint32_t trial = 1; trial <= case_.trials && !dead(Role::kSession); ++trial) {
+        for (std::uint32_t trial = 1; trial <= case_.trials && has_keys() && !dead(Role::kSession); ++trial) {
             run_trial(conditions_of(trial));
             run_until(now_ + kRestsAfter);
             if (!watch_.violation()) watch_.rests();
@@ -103,6 +103,15 @@ class CaseRun {
         if (!session_.session().finished()) return;
         ends_.push_back(session_.session().record().reason);
         if (ends_.back() == EndReason::kNone) watch_.fail(Rule::kTrialEnds, "its record does not say why");
+    }
+
+    // A program that does not run keeps a sealed session from its start.
+    bool has_keys() {
+        const Security* const security = session_.network().security(Role::kSession);
+        const SessionTime limit = now_ + longest_trial();
+        while (security != nullptr && !security->complete() && now_ < limit && step()) {
+        }
+        return security == nullptr || security->complete();
     }
 
     void run_until(SessionTime time) {

@@ -60,6 +60,7 @@ void Watch::run_again(Role role, bool anew) {
     if (!anew) return;
     program.stopped = false;
     program.new_instance = true;
+    if (role == Role::kSlaveSim) newest_ = {};
 }
 
 void Watch::release() { released_ = true; }
