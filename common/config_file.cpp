@@ -41,14 +41,6 @@ void refuse_long_keys(std::string_view text, std::string_view name) {
     }
 }
 
-// At most one byte more than a file may have: a device such as /dev/zero has no end.
-std::string read_start(std::istream& stream) {
-    std::string text(kLargestFile + 1, '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(stream.gcount()));
-    return text;
-}
-
 bool in_a_word(char c) {
     return c == '_' || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
 }
@@ -225,7 +217,8 @@ ConfigFile ConfigFile::load(const std::filesystem::path& path) {
     if (!stream.is_open())
         throw Error(ExitCode::kUsage, "{}: cannot read this configuration file; does it exist?",
                     path.string());
-    const std::string text = read_start(stream);
+    // A device such as /dev/zero has no end.
+    const std::string text = read_to_end(stream, path, kLargestFile);
     if (text.size() > kLargestFile)
         throw Error(ExitCode::kUsage, "{}: has more than {} bytes; is it a configuration file?",
                     path.string(), kLargestFile);

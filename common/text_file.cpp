@@ -1,5 +1,6 @@
 #include "common/text_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -87,6 +88,25 @@ void remove_file(const std::filesystem::path& file) {
                 advice_on(failure.value()));
 }
 
+void refuse_half_read(const std::istream& stream, const std::filesystem::path& file) {
+    if (stream.bad())
+        throw Error(
+            ExitCode::kData,
+            "{}: cannot be read to its end: the disk or the network that it lies on failed; try again, "
+            "or restore the file",
+            file.string());
+}
+
+std::string read_to_end(std::istream& stream, const std::filesystem::path& file, std::size_t most) {
+    std::string text;
+    std::string block(std::size_t{1} << 16U, '\0');
+    while (text.size() <= most &&
+           (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0))
+        text.append(block, 0, std::min(static_cast<std::size_t>(stream.gcount()), most + 1 - text.size()));
+    refuse_half_read(stream, file);
+    return text;
+}
+
 std::string sha256_of_file(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) return {};
@@ -97,6 +117,7 @@ std::string sha256_of_file(const std::filesystem::path& path) {
         crypto_hash_sha256_update(&state, reinterpret_cast<const unsigned char*>(part.data()),
                                   static_cast<unsigned long long>(file.gcount()));
     }
+    refuse_half_read(file, path);
     std::array<unsigned char, crypto_hash_sha256_BYTES> digest{};
     crypto_hash_sha256_final(&state, digest.data());
     return fmt::format("{:02x}", fmt::join(digest, ""));

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <unistd.h>
@@ -27,6 +29,13 @@ const char* descriptor_advice(int error);
 
 // Takes away an earlier result, if there is one. Throws Error (usage) naming it if that is not allowed.
 void remove_file(const std::filesystem::path& file);
+
+// The rest of that file's stream, but no more than a byte beyond `most`. Throws Error (data) naming the file if the system fails to
+// read on: a stream by itself takes that for the file's end.
+std::string read_to_end(std::istream& stream, const std::filesystem::path& file,
+                        std::size_t most = std::numeric_limits<std::size_t>::max() - 1);
+// Throws that Error, after reads by other means.
+void refuse_half_read(const std::istream& stream, const std::filesystem::path& file);
 
 // In hexadecimal, as sha256sum(1) prints it; empty if the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& path);

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -12,6 +11,7 @@
 
 #include "common/csv/spreadsheet.hpp"
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -25,7 +25,7 @@ std::string read_whole(const std::filesystem::path& file) {
         throw Error(ExitCode::kData, "{}: cannot be read; check that the file exists and is yours to read",
                     file.string());
     }
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    return read_to_end(in, file);
 }
 
 template <class T>

@@ -125,6 +125,7 @@ void keep_lines(const std::filesystem::path& path, std::size_t lines) {
     for (std::string line; newlines <= lines && std::getline(in, line) && !in.eof(); ++newlines) {
         kept += line.size() + 1;
     }
+    refuse_half_read(in, path);  // or the lines behind would be cut off
     in.close();
     std::error_code failure;
     if (kept < std::filesystem::file_size(path, failure)) std::filesystem::resize_file(path, kept, failure);

@@ -212,6 +212,9 @@ int run_guarded(const std::function<int()>& body) {
         spdlog::error("{}: {}; check that the folder exists and its permissions", error.path1().string(),
                       error.code().message());
         return static_cast<int>(ExitCode::kUsage);
+    } catch (const std::bad_alloc&) {
+        std::fputs("error: no memory is left: end other programs, or raise this one's limit\n", stderr);
+        return static_cast<int>(ExitCode::kRunFailed);
     } catch (const std::exception& error) {
         // fmt::print() throws when a print to standard output fails.
         if (std::ferror(stdout) == 0) spdlog::error("unexpected: {}", error.what());
@@ -352,13 +355,17 @@ nlohmann::ordered_json quantiles(const Histogram& h) {
 
 int guarded_main(const std::string& name, const std::function<int()>& body) {
     open_standard_descriptors();
-    log_to_stderr(name);
     std::signal(SIGPIPE, SIG_IGN);  // a reader that leaves ends no trial; lost results are noticed at the end
-    const int ended = run_guarded(body);
-    stderr_written_within(kFarewell);  // before the results that wait in stdout's buffer
-    const int code = settle_results(ended);
-    stderr_written_within(kFarewell);
-    return code;
+    const int ended = run_guarded([&] {
+        log_to_stderr(name);
+        return body();
+    });
+    return run_guarded([ended] {
+        stderr_written_within(kFarewell);  // before the results that wait in stdout's buffer
+        const int code = settle_results(ended);
+        stderr_written_within(kFarewell);
+        return code;
+    });
 }
 
 int run_node_program(const NodeProgram& program, int argc, char** argv) {

@@ -3,7 +3,6 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 
 #include "common/error.hpp"
 #include "common/text_file.hpp"
@@ -17,17 +16,11 @@ std::string read_whole_file(const std::filesystem::path& path, std::size_t most_
         throw Error(ExitCode::kData, "{}: cannot be read; does this file exist, and is it yours to read?",
                     path.string());
     }
-    std::string text;
-    std::string block(std::size_t{1} << 16, '\0');
     // Not by the file's size: a pipe has none.
-    while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0) {
-        text.append(block, 0, static_cast<std::size_t>(stream.gcount()));
-        if (text.size() > most_bytes) {
-            throw Error(ExitCode::kData, "{}: is larger than {} bytes, the most that is read", path.string(),
-                        most_bytes);
-        }
-    }
-    return text;
+    std::string text = read_to_end(stream, path, most_bytes);
+    if (text.size() <= most_bytes) return text;
+    throw Error(ExitCode::kData, "{}: is larger than {} bytes, the most that is read", path.string(),
+                most_bytes);
 }
 
 void fail_at_line(std::string_view name, std::size_t line, std::string_view why) {

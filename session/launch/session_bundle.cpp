@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "session/settings/system_settings.hpp"
 
 namespace thimble {
@@ -37,7 +37,7 @@ std::string read_file(const fs::path& session, const std::string& name) {
     const fs::path path = session.parent_path() / name;
     std::ifstream file(path, std::ios::binary);
     if (!file || !fs::is_regular_file(path)) refuse(session, name, "is not beside it");
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    return read_to_end(file, path);
 }
 
 }  // namespace

@@ -20,10 +20,12 @@ class Shrinker {
     }
 
   private:
+    // One after the other. Keys that need a removed one go with it.
     template <class List>
     bool without_one(List SwarmCase::*list) {
         bool less = false;
         for (std::size_t i = (case_.*list).size(); i-- > 0;) {
+            if (i >= (case_.*list).size()) continue;  // gone with another
             const auto remove = [&](SwarmCase& smaller) {
                 auto& items = smaller.*list;
                 items.erase(items.begin() + static_cast<std::ptrdiff_t>(i));
@@ -37,7 +39,6 @@ class Shrinker {
     bool try_with(const Change& change) {
         SwarmCase smaller = case_;
         change(smaller);
-        // A key that needs the removed one goes with it.
         const SwarmOutcome outcome = run_case(smaller, break_force_);
         if (!outcome.violation || outcome.violation->rule != broken_) return false;
         case_ = std::move(smaller);

@@ -29,12 +29,27 @@ SystemSettings with_first_delay(SystemSettings settings) {
     return settings;
 }
 
+bool flips_bits(const LinkSettings& link, const Timeline& timeline) {
+    return link.corrupt > 0 || std::any_of(timeline.begin(), timeline.end(), [](const LinkChange& change) {
+               return change.settings.corrupt > 0;
+           });
+}
+
+// A flipped bit that leaves a message well formed may be anywhere in it.
+bool flips_bits(const SwarmCase& one, const SystemSettings& s) {
+    return flips_bits(s.netem.needle, s.netem.needle_timeline) ||
+           flips_bits(s.netem.force, s.netem.force_timeline) ||
+           std::any_of(one.faults.begin(), one.faults.end(), [](const SwarmFault& fault) {
+               return fault.kind == FaultKind::kCorrupt || fault.kind == FaultKind::kProfile;
+           });
+}
+
 class CaseRun {
   public:
     CaseRun(const SwarmCase& one, const SystemSettings& settings, const BreakForce& break_force)
         : case_(one),
           settings_(with_first_delay(settings)),
-          watch_(settings_, one.sealed),
+          watch_(settings_, one.sealed || flips_bits(one, settings_)),
           plain_handle_(settings_.handle, settings_.person),
           handle_(plain_handle_, watch_, distortion(break_force)),
           actuator_(settings_.cutaneous, watch_),

@@ -35,7 +35,7 @@ bool all_finite(std::initializer_list<double> values) {
 
 }  // namespace
 
-Watch::Watch(const SystemSettings& settings, bool sealed) : settings_(settings), sealed_(sealed) {
+Watch::Watch(const SystemSettings& settings, bool unreadable) : settings_(settings), unreadable_(unreadable) {
     allow_delay(session_settings(settings).network_delay);
 }
 
@@ -143,13 +143,13 @@ void Watch::sample_recorded(const TrajectorySample& s) {
 }
 
 void Watch::sent(Port to, Bytes datagram) {
-    if (to != Port::kSessionRecord || sealed_) return;
+    if (to != Port::kSessionRecord || unreadable_) return;
     const Decoded decoded = decode(datagram);
     const auto* feedback = decoded.message ? std::get_if<ForceFeedback>(&decoded.message->body) : nullptr;
-    if (feedback != nullptr) watch_needle(*feedback, decoded.message->header.trial);
+    if (feedback != nullptr) hear_needle(*feedback, decoded.message->header.trial);
 }
 
-void Watch::watch_needle(const ForceFeedback& feedback, std::uint32_t trial) {
+void Watch::hear_needle(const ForceFeedback& feedback, std::uint32_t trial) {
     if (feedback.needle_held && !no_force(feedback)) fail(Rule::kHeldNeedle, "a held needle with a force");
     const bool again = feedback.needle_held && newest_.needle_held && trial == newest_trial_;
     if (again && feedback.position_needle_m != newest_.position_needle_m)
@@ -165,7 +165,7 @@ void Watch::arrived(Port to, Bytes datagram) {
                        : to == Port::kSlaveNeedle    ? &needle_
                                                      : nullptr;
     if (input == nullptr) return;
-    if (sealed_) {
+    if (unreadable_) {
         input->at = now();
         return;
     }
@@ -193,34 +193,44 @@ Duration Watch::most_silence(const StalePolicy& policy) const {
     return policy.after + (policy.mode == StaleMode::kRamp ? policy.ramp : Duration{});
 }
 
-void Watch::watch_silence() {
-    const Duration period = settings_.master.sample_period;
-    const Duration most = most_silence(settings_.master.stale) + period + kSlack;
-    if (handle_N_ != 0 && !of(Role::kMaster).frozen) {
-        const Duration silent = silence(force_handle_, Role::kMaster);
-        if (silent > most)
-            fail(Rule::kForceSilence,
-                 fmt::format("{} N, {} s after the last force", handle_N_, to_seconds(silent)));
-        const Duration oldest = std::max(allowed_, settings_.master.oldest_force);
-        const Duration age = now() - std::max(newest_echo_, of(Role::kMaster).since);
-        if (!sealed_ && settings_.master.stale.mode != StaleMode::kHold && age > oldest + most)
-            fail(Rule::kForceAge, fmt::format("{} N, of a sample {} s ago", handle_N_, to_seconds(age)));
-        const bool plain = !sealed_ && settings_.master.control.compensator == Compensator::kNone;
-        const auto covers = [this](double force_N) {
-            return force_N * handle_N_ > 0 && std::abs(handle_N_) <= std::abs(force_N) * (1 + kRounding);
-        };
-        if (plain && std::none_of(forces_N_.begin(), forces_N_.end(), covers))
-            fail(Rule::kForceSent, fmt::format("{} N", handle_N_));
-    }
-    const Duration finger =
-        most_silence(settings_.cutaneous.stale) + settings_.cutaneous.percept_period + kSlack;
-    if (finger_N_ != 0 && !of(Role::kCutaneous).frozen && silence(force_finger_, Role::kCutaneous) > finger)
-        fail(Rule::kFingerSilence, fmt::format("{} N", finger_N_));
-    const bool moves =
-        session_->slave().state() == NodeState::kRunning && !newest_.needle_held && newest_trial_ == trial_;
-    if (moves && !sealed_ && !of(Role::kSlaveSim).frozen &&
-        silence(needle_, Role::kSlaveSim) > settings_.slave.stale_after + kSlack)
-        fail(Rule::kHeldNeedle, "a needle without commands is not held");
+void Watch::watch_handle() {
+    if (handle_N_ == 0 || of(Role::kMaster).frozen) return;
+    const StalePolicy& policy = settings_.master.stale;
+    const Duration most = most_silence(policy) + settings_.master.sample_period + kSlack;
+    const Duration silent = silence(force_handle_, Role::kMaster);
+    if (silent > most)
+        fail(Rule::kForceSilence,
+             fmt::format("{} N, {} s after the last force", handle_N_, to_seconds(silent)));
+    if (unreadable_) return;
+    const Duration oldest = std::max(allowed_, settings_.master.oldest_force);
+    const Duration age = now() - std::max(newest_echo_, of(Role::kMaster).since);
+    if (policy.mode != StaleMode::kHold && age > oldest + most)
+        fail(Rule::kForceAge, fmt::format("{} N, of a sample {} s ago", handle_N_, to_seconds(age)));
+    const auto covers = [this](double force_N) {
+        return std::signbit(force_N) == std::signbit(handle_N_) &&
+               std::abs(handle_N_) <= std::abs(force_N) * (1 + kRounding);
+    };
+    const bool plain = settings_.master.control.compensator == Compensator::kNone;
+    if (plain && std::none_of(forces_N_.begin(), forces_N_.end(), covers))
+        fail(Rule::kForceSent, fmt::format("{} N", handle_N_));
+}
+
+void Watch::watch_finger() {
+    if (finger_N_ == 0 || of(Role::kCutaneous).frozen) return;
+    const CutaneousSettings& s = settings_.cutaneous;
+    const Duration silent = silence(force_finger_, Role::kCutaneous);
+    if (silent > most_silence(s.stale) + s.percept_period + kSlack)
+        fail(Rule::kFingerSilence,
+             fmt::format("{} N, {} s after the last force", finger_N_, to_seconds(silent)));
+}
+
+void Watch::watch_needle() {
+    if (unreadable_ || of(Role::kSlaveSim).frozen || newest_.needle_held || newest_trial_ != trial_) return;
+    if (session_->slave().state() != NodeState::kRunning) return;
+    const Duration silent = silence(needle_, Role::kSlaveSim);
+    if (silent > settings_.slave.stale_after + kSlack)
+        fail(Rule::kHeldNeedle,
+             fmt::format("it is not held, {} s after the last command", to_seconds(silent)));
 }
 
 const StopBus& Watch::bus(Role role) const {
@@ -235,7 +245,8 @@ void Watch::watch_rest(Role role) {
         fail(Rule::kStopRests, fmt::format("{} {}", to_string(role), runs ? "runs a trial" : "pushes"));
 }
 
-void Watch::watch_stops() {
+// Whether a program that runs knows of one.
+bool Watch::look_for_stops() {
     bool any = false;
     for (const Role role : kSwarmPrograms) {
         Program& program = of(role);
@@ -243,16 +254,21 @@ void Watch::watch_stops() {
         if (program.stopped && !stopped && !released_)
             fail(Rule::kStopHolds, fmt::format("{} holds it no more", to_string(role)));
         program.stopped = stopped;
-        any = any || (stopped && !program.frozen);
-        if (stopped && !program.frozen) watch_rest(role);
+        if (!stopped || program.frozen) continue;
+        any = true;
+        watch_rest(role);
     }
-    if (!any) {
+    return any;
+}
+
+void Watch::watch_stops() {
+    if (!look_for_stops()) {
         stop_since_ = kNever;
         for (Program& program : programs_) program.new_instance = false;
-    } else if (stop_since_ == kNever) {
-        stop_since_ = now();
+        return;
     }
-    if (!any || buses_disturbed_ || released_) return;
+    stop_since_ = std::min(stop_since_, now());
+    if (buses_disturbed_ || released_) return;
     for (const Role role : kSwarmPrograms) {
         const Program& program = of(role);
         const Duration most = program.new_instance ? kStopReachesNew : kStopReaches;
@@ -263,7 +279,9 @@ void Watch::watch_stops() {
 }
 
 void Watch::instant() {
-    watch_silence();
+    watch_handle();
+    watch_finger();
+    watch_needle();
     watch_stops();
 }
 
@@ -272,7 +290,7 @@ void Watch::rests() {
         fail(Rule::kRestAfter, fmt::format("{} N at the handle", handle_N_));
     if (finger_N_ != 0 && !of(Role::kCutaneous).frozen)
         fail(Rule::kRestAfter, fmt::format("{} N at a finger", finger_N_));
-    if (!sealed_ && !no_force(newest_) && !of(Role::kSlaveSim).frozen)
+    if (!unreadable_ && !no_force(newest_) && !of(Role::kSlaveSim).frozen)
         fail(Rule::kRestAfter, "a force in slave_sim");
 }
 

@@ -26,8 +26,8 @@ struct InputNews {
 
 class Watch {
   public:
-    // `sealed`: datagrams cannot be read, and each that comes counts as news.
-    Watch(const SystemSettings& settings, bool sealed);
+    // `unreadable`: what a datagram says cannot be believed here (sealed, or with bits that flip), and each that comes counts as news.
+    Watch(const SystemSettings& settings, bool unreadable);
     void look_at(VirtualSession& session) { session_ = &session; }
 
     void begin_trial(const TrialConditions& conditions);
@@ -74,13 +74,16 @@ class Watch {
     Duration silence(const InputNews& input, Role role);
     Duration most_silence(const StalePolicy& policy) const;
     void hear_force(const Message& message);
-    void watch_needle(const ForceFeedback& feedback, std::uint32_t trial);
-    void watch_silence();
+    void hear_needle(const ForceFeedback& feedback, std::uint32_t trial);
+    void watch_handle();
+    void watch_finger();
+    void watch_needle();
+    bool look_for_stops();
     void watch_stops();
     void watch_rest(Role role);
 
     const SystemSettings& settings_;
-    bool sealed_;
+    bool unreadable_;
     VirtualSession* session_ = nullptr;
     Verdict verdict_;
     std::array<Program, kRoleCount> programs_{};

@@ -1,7 +1,6 @@
 #include "common/runtime/log/message_log.hpp"
 
 #include <fstream>
-#include <iterator>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -15,6 +14,7 @@
 #include "common/runtime/log/log_file.hpp"
 #include "common/runtime/log/tapped_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
 #include "common/version.hpp"
 
 namespace thimble {
@@ -31,7 +31,7 @@ constexpr unsigned kGrantsPerFlush = 2000;
 
 std::string read_whole(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    return read_to_end(in, path);
 }
 
 Bytes bytes_of(const std::string& text) {
