@@ -79,7 +79,10 @@ SceneDeclaration read_scene(const ConfigFile& file, std::string_view name) {
 }
 
 SceneDeclaration paper_scene() {
-    return read_scene(ConfigFile::parse(built_in(kPaperScene)->text, kPaperScene), kPaperScene);
+    // Each default of a session's settings has it.
+    static const SceneDeclaration paper =
+        read_scene(ConfigFile::parse(built_in(kPaperScene)->text, kPaperScene), kPaperScene);
+    return paper;
 }
 
 SceneDeclaration load_scene(const std::filesystem::path& path) {

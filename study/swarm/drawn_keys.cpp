@@ -17,7 +17,7 @@
 namespace thimble {
 namespace {
 
-constexpr std::uint32_t kMostKeys = 14;
+constexpr std::uint32_t kMostKeys = 10;
 
 // Tables of programs, machines, people and files.
 constexpr std::array<std::string_view, 8> kElsewhere{"network", "security", "runtime",      "launch",

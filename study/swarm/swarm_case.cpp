@@ -8,7 +8,7 @@ namespace thimble {
 namespace {
 
 constexpr std::uint32_t kMostFaults = 5;
-constexpr double kSealedShare = 0.1;
+constexpr double kSealedShare = 0.04;
 constexpr double kEarlyShare = 0.15;  // of faults that hold from the start: so programs come up in any order
 // A trial of the swarm touches the fixture after 2 to 3 s.
 constexpr double kLatest_s = 5;

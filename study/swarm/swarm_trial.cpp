@@ -188,9 +188,16 @@ class CaseRun {
         if (fault.kind == FaultKind::kBroken) handle_.words.clear();
         if (!of_program(fault.kind) || frozen(fault.role)) return;
         const bool anew = fault.kind == FaultKind::kRestart;
-        if (anew) session_.restart(fault.role);
+        if (anew) restart(fault.role);
         session_.loop().thaw(session_.bit(fault.role));
         watch_.run_again(fault.role, anew);
+    }
+
+    // A device has no force when its program comes up.
+    void restart(Role role) {
+        if (role == Role::kMaster) handle_.command_force(now_, 0);
+        if (role == Role::kCutaneous) actuator_.release(now_);
+        session_.restart(role);
     }
 
     void happen(const SwarmFault& fault) {
