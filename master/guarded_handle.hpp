@@ -78,7 +78,7 @@ class GuardedHandle final : public HapticDevice {
         energy_.clear();
         highest_J_.fill(kNothingYet_J);
         slot_ = 0;
-        slot_end_ = now + settings_.energy_window / static_cast<std::int64_t>(kSlots);
+        slot_end_ = now + part();
         most_given_out_J_ = 0;
     }
 
@@ -112,17 +112,20 @@ class GuardedHandle final : public HapticDevice {
     std::string_view fault() const override { return device_->fault(); }
 
   private:
-    static constexpr std::size_t kSlots = 64;  // of the window
+    static constexpr std::size_t kSlots = 64;
 
-    // The window moves on by whole parts: it is at most a 64th longer than asked, so that it trips rather too early.
+    // The newest part is not full, so the other 63 are the window.
+    Duration part() const {
+        return std::max(settings_.energy_window / static_cast<std::int64_t>(kSlots - 1), Duration{1});
+    }
+
+    // The window moves on by whole parts: it is at most a 63rd longer than asked, so that it trips rather too early.
     void watch_energy(SessionTime now) {
-        const Duration part =
-            std::max(settings_.energy_window / static_cast<std::int64_t>(kSlots), Duration{1});
         if (now - slot_end_ > 2 * settings_.energy_window) {
             highest_J_.fill(kNothingYet_J);
-            slot_end_ = now + part;
+            slot_end_ = now + part();
         }
-        for (; now >= slot_end_; slot_end_ += part) {
+        for (; now >= slot_end_; slot_end_ += part()) {
             slot_ = (slot_ + 1) % kSlots;
             highest_J_[slot_] = kNothingYet_J;
         }

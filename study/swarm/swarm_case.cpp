@@ -13,6 +13,10 @@ constexpr double kEarlyShare = 0.15;  // of faults that hold from the start: so 
 // A trial of the swarm touches the fixture after 2 to 3 s.
 constexpr double kLatest_s = 5;
 
+// Where [netem] corrupts, too. On other wires the checksum of UDP finds a flipped bit.
+constexpr std::array kRelayed{Port::kMasterForce, Port::kCutaneousForce, Port::kVisualForce,
+                              Port::kSlaveNeedle};
+
 template <class List>
 const auto& any_of_list(const List& list, RandomStream& draw) {
     return list[draw.below(static_cast<std::uint32_t>(list.size()))];
@@ -26,6 +30,7 @@ SwarmFault draw_fault(RandomStream& draw, bool sealed) {
     fault.at = SessionTime{from_seconds(draw.uniform() < kEarlyShare ? 0 : kLatest_s * draw.uniform())};
     fault.length = from_seconds(draw.uniform() < 0.5 ? 0.15 * draw.uniform() : 2.5 * draw.uniform());
     fault.value = draw.uniform();
+    if (fault.kind == FaultKind::kCorrupt) fault.port = any_of_list(kRelayed, draw);
     // Only nodes start anew, and without the keys of a session that runs they take no part in it.
     if (fault.kind == FaultKind::kRestart && (sealed || fault.role == Role::kSession))
         fault.kind = FaultKind::kStall;

@@ -15,7 +15,6 @@ namespace thimble {
 namespace {
 
 constexpr Duration kSlack = std::chrono::milliseconds{2};
-constexpr std::size_t kForcesKept = 8;
 constexpr double kRounding = 1e-9;
 // A stop is repeated every 50 ms. A program that was started since hears of it within 500 ms.
 constexpr Duration kStopReaches = 3 * kStopRepeat, kStopReachesNew = kStopPassedOn + 3 * kStopRepeat;
@@ -179,12 +178,26 @@ void Watch::hear_force(const Message& message) {
     const ForceFeedback* force = force_in(message);
     if (force == nullptr) return;
     newest_echo_ = std::max(newest_echo_, force->needle_held ? now() : force->echo_time);
-    forces_N_.push_back(-settings_.master.force_scale * force->force_total_N);
-    if (forces_N_.size() > kForcesKept) forces_N_.pop_front();
+    forces_.push_back({now(), -settings_.master.force_scale * force->force_total_N});
+    // One that came may be too old, and then an earlier one goes on.
+    const Duration acts =
+        most_silence(settings_.master.stale) + settings_.master.sample_period + stood_still_;
+    while (now() - forces_.front().at > acts + kSlack) forces_.pop_front();
 }
 
 Duration Watch::silence(const InputNews& input, Role role) {
-    return now() - std::max(input.at, of(role).since);
+    // The first one takes as long as the network.
+    const SessionTime first = began_.at(static_cast<std::size_t>(role)) + allowed_;
+    return now() - std::max({input.at, of(role).since, first});
+}
+
+void Watch::watch_begin() {
+    for (const Role role : kNodeRoles) {
+        const auto i = static_cast<std::size_t>(role);
+        const bool runs = session_->node(role).state() == NodeState::kRunning;
+        if (runs && !runs_.at(i)) began_.at(i) = now();
+        runs_.at(i) = runs;
+    }
 }
 
 // With "hold" the trial ends, once everybody was listened to again.
@@ -203,15 +216,16 @@ void Watch::watch_handle() {
              fmt::format("{} N, {} s after the last force", handle_N_, to_seconds(silent)));
     if (unreadable_) return;
     const Duration oldest = std::max(allowed_, settings_.master.oldest_force);
-    const Duration age = now() - std::max(newest_echo_, of(Role::kMaster).since);
+    const SessionTime began = began_.at(static_cast<std::size_t>(Role::kMaster));
+    const Duration age = now() - std::max({newest_echo_, of(Role::kMaster).since, began});
     if (policy.mode != StaleMode::kHold && age > oldest + most)
         fail(Rule::kForceAge, fmt::format("{} N, of a sample {} s ago", handle_N_, to_seconds(age)));
-    const auto covers = [this](double force_N) {
-        return std::signbit(force_N) == std::signbit(handle_N_) &&
-               std::abs(handle_N_) <= std::abs(force_N) * (1 + kRounding);
+    const auto covers = [this](const Force& force) {
+        return std::signbit(force.force_N) == std::signbit(handle_N_) &&
+               std::abs(handle_N_) <= std::abs(force.force_N) * (1 + kRounding);
     };
     const bool plain = settings_.master.control.compensator == Compensator::kNone;
-    if (plain && std::none_of(forces_N_.begin(), forces_N_.end(), covers))
+    if (plain && std::none_of(forces_.rbegin(), forces_.rend(), covers))
         fail(Rule::kForceSent, fmt::format("{} N", handle_N_));
 }
 
@@ -279,6 +293,7 @@ void Watch::watch_stops() {
 }
 
 void Watch::instant() {
+    watch_begin();
     watch_handle();
     watch_finger();
     watch_needle();

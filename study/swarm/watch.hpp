@@ -75,6 +75,7 @@ class Watch {
     Duration most_silence(const StalePolicy& policy) const;
     void hear_force(const Message& message);
     void hear_needle(const ForceFeedback& feedback, std::uint32_t trial);
+    void watch_begin();
     void watch_handle();
     void watch_finger();
     void watch_needle();
@@ -93,7 +94,13 @@ class Watch {
 
     InputNews force_handle_, force_finger_, force_bar_, needle_;
     SessionTime newest_echo_{};
-    std::deque<double> forces_N_;  // that came to the handle, newest last
+    struct Force {
+        SessionTime at;
+        double force_N;
+    };
+    std::deque<Force> forces_;                     // that came to the handle and may still act, newest last
+    std::array<SessionTime, kRoleCount> began_{};  // when a node's trial began
+    std::array<bool, kRoleCount> runs_{};
     double handle_N_ = 0, finger_N_ = 0, bar_N_ = 0;
     SessionTime commanded_at_{};
     std::uint64_t digest_ = 0xcbf29ce484222325U;
