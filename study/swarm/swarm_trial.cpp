@@ -138,8 +138,8 @@ class CaseRun {
     bool step() {
         if (!session_.loop().step()) return false;
         now_ = session_.now();
-        if (now_ >= next_change_) begin_and_end_faults();
         watch_.instant();
+        if (now_ >= next_change_) begin_and_end_faults();
         return !watch_.violation();
     }
 

@@ -145,6 +145,7 @@ void Watch::sent(Port to, Bytes datagram) {
     if (to != Port::kSessionRecord || unreadable_) return;
     const Decoded decoded = decode(datagram);
     const auto* feedback = decoded.message ? std::get_if<ForceFeedback>(&decoded.message->body) : nullptr;
+    newest_.needle_held = newest_.needle_held && feedback != nullptr;  // a force beyond reason is unreadable
     if (feedback != nullptr) hear_needle(*feedback, decoded.message->header.trial);
 }
 

@@ -30,7 +30,7 @@ RUN = ("run", "{session}", "--clock", "lock-step", "--out", "{out}", "--base-por
 SCENARIOS = {
     "check": ("thimble", ("check", "{session}"), None),
     "study": ("thimble", ("study", "{session}", "--subjects", "1", "--jobs", "1", "--out", "{out}"), "trials.csv"),
-    "report": ("thimble", ("report", "{done}", "--out", "{out}"), None),
+    "report": ("thimble", ("report", "--study", "{done}", "--out", "{out}"), None),
     "session": ("thimble", RUN, "trials.csv"),
     **{node: (f"thimble-{node}", RUN, "trials.csv")
        for node in ("slave-sim", "master", "cutaneous", "visual", "netem")},
