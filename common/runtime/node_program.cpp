@@ -9,6 +9,7 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <new>
 #include <optional>
 #include <thread>
 
@@ -199,6 +200,24 @@ class Guarded final : public Process {
     bool complained_ = false;
 };
 
+int end_without_memory() {
+    std::fputs("error: no memory is left: end other programs, or raise this one's limit\n", stderr);
+    return static_cast<int>(ExitCode::kRunFailed);
+}
+
+// Functions of libraries that may not throw allocate all the same (std::filesystem, a JSON value that goes). Where they get no
+// memory the program is at its end, and says so with its own exit code.
+void (*const terminate_before)() = std::set_terminate([] {
+    try {
+        if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
+    } catch (const std::bad_alloc&) {
+        std::_Exit(end_without_memory());
+    } catch (...) {
+        terminate_before();
+    }
+    std::abort();
+});
+
 // The exit code of `body`, or of what it throws.
 int run_guarded(const std::function<int()>& body) {
     try {
@@ -213,8 +232,7 @@ int run_guarded(const std::function<int()>& body) {
                       error.code().message());
         return static_cast<int>(ExitCode::kUsage);
     } catch (const std::bad_alloc&) {
-        std::fputs("error: no memory is left: end other programs, or raise this one's limit\n", stderr);
-        return static_cast<int>(ExitCode::kRunFailed);
+        return end_without_memory();
     } catch (const std::exception& error) {
         // fmt::print() throws when a print to standard output fails.
         if (std::ferror(stdout) == 0) spdlog::error("unexpected: {}", error.what());

@@ -94,6 +94,12 @@ TEST(Swarm, WritesTheSmallestSessionThatFails) {
     EXPECT_NO_THROW(load_system_settings(first.file));
 }
 
+TEST(Swarm, TheManualHasEveryRule) {
+    const std::string manual = read_text(std::filesystem::path(THIMBLE_SOURCE_DIR) / "docs/safety.md");
+    for (const Invariant& rule : kInvariants)
+        EXPECT_THAT(manual, HasSubstr(fmt::format("| `{}` | {} |", rule.name, rule.text)));
+}
+
 TEST(DrawnKeys, AKeyThatAReaderAsksForIsDrawnToo) {
     const auto keys = drawable_keys();
     int timelines = 0;
