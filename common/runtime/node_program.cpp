@@ -205,8 +205,8 @@ int end_without_memory() {
     return static_cast<int>(ExitCode::kRunFailed);
 }
 
-// Functions of libraries that may not throw allocate all the same (std::filesystem, a JSON value that goes). Where they get no
-// memory the program is at its end, and says so with its own exit code.
+// Some library functions allocate but may not throw (std::filesystem, the destructor of a JSON value). Without memory they call
+// std::terminate. The program then prints the reason and ends with exit code 1.
 void (*const terminate_before)() = std::set_terminate([] {
     try {
         if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);

@@ -158,7 +158,7 @@ std::vector<Line> lines_of(DrawnKeys keys) {
     return lines;
 }
 
-// "swarm:7:1: 'netem.force.timeline[0].at_s' is needed" has a place, and the paths that it quotes.
+// Refusals begin with it and a place, as in "swarm:7:1".
 constexpr std::string_view kFile = "swarm";
 
 SystemSettings read(const DrawnKeys& keys) {
@@ -204,7 +204,7 @@ const KeyDeclaration* asked_for(const std::string& refusal, const DrawnKeys& dra
     return found == keys.end() ? nullptr : &*found;
 }
 
-// Draws what the readers ask for, and removes what they refuse all the same.
+// Draws the keys that readers ask for, and removes the keys that they still refuse.
 void make_valid(DrawnKeys& drawn, const std::vector<KeyDeclaration>& keys, RandomStream& draw) {
     for (std::uint32_t tries = 0;; ++tries) {
         try {

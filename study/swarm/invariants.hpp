@@ -1,4 +1,4 @@
-// What holds at every instant of every session, whatever fails: the list in docs/safety.md, under the same names.
+// Rules that hold at every instant of every session, whatever fails. docs/safety.md has the same list with the same names.
 #pragma once
 
 #include <array>

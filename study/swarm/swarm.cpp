@@ -61,7 +61,7 @@ SwarmResult run_swarm(const SwarmOptions& options) {
     OrderedWorkers<Judged> workers(
         options.trials, thread_count(options.jobs),
         [&](std::size_t i) { return judge(keys, options.seed + i, options.break_force); }, options.stop);
-    while (result.cases < options.trials && result.failures.size() < kMostFailures) {
+    while (result.cases < options.trials && result.failures.size() < options.most_failures) {
         const std::optional<Judged> judged = workers.take();
         if (!judged) return result;
         tally(result, *judged);

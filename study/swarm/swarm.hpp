@@ -17,6 +17,7 @@ struct SwarmOptions {
     unsigned jobs = 0;                        // 0: one per core
     std::filesystem::path out;                // of the smallest cases that fail
     const std::atomic<bool>* stop = nullptr;  // ends the swarm after the running cases
+    std::size_t most_failures = 20;           // ends the swarm
     BreakForce break_force;                   // of tests
 };
 
@@ -36,8 +37,7 @@ struct SwarmResult {
     bool complete = false;
 };
 
-// Ends early after kMostFailures. Throws Error (run failed) if a file cannot be written.
-inline constexpr std::size_t kMostFailures = 20;
+// Throws Error (run failed) if a file cannot be written.
 SwarmResult run_swarm(const SwarmOptions& options);
 
 // "seed 17: force-limit at 2.31 s: 13.2 N (...)", with the command that repeats it.

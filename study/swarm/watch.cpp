@@ -260,7 +260,7 @@ void Watch::watch_rest(Role role) {
         fail(Rule::kStopRests, fmt::format("{} {}", to_string(role), runs ? "runs a trial" : "pushes"));
 }
 
-// Whether a program that runs knows of one.
+// True if a running program holds one.
 bool Watch::look_for_stops() {
     bool any = false;
     for (const Role role : kSwarmPrograms) {
@@ -301,12 +301,17 @@ void Watch::instant() {
     watch_stops();
 }
 
+// A program that ran again only now still listens for the others.
+bool Watch::has_settled(Role role) {
+    return !of(role).frozen && now() - of(role).since > kPeerTimeout + kHeartbeatPeriod;
+}
+
 void Watch::rests() {
-    if (handle_N_ != 0 && !of(Role::kMaster).frozen)
+    if (handle_N_ != 0 && has_settled(Role::kMaster))
         fail(Rule::kRestAfter, fmt::format("{} N at the handle", handle_N_));
-    if (finger_N_ != 0 && !of(Role::kCutaneous).frozen)
+    if (finger_N_ != 0 && has_settled(Role::kCutaneous))
         fail(Rule::kRestAfter, fmt::format("{} N at a finger", finger_N_));
-    if (!unreadable_ && !no_force(newest_) && !of(Role::kSlaveSim).frozen)
+    if (!unreadable_ && !no_force(newest_) && has_settled(Role::kSlaveSim))
         fail(Rule::kRestAfter, "a force in slave_sim");
 }
 

@@ -79,6 +79,7 @@ class Watch {
     void watch_handle();
     void watch_finger();
     void watch_needle();
+    bool has_settled(Role role);
     bool look_for_stops();
     void watch_stops();
     void watch_rest(Role role);

@@ -1,4 +1,4 @@
-// What stands between a virtual session and its devices and wires: it tells the Watch of every call, and fails where the case says so.
+// Devices and wires of a virtual session that report each call to a Watch, and fail where the case has a fault.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace thimble {
 
-// A test's device that does something else than it is told.
+// For tests: the force that a broken device gives instead of the commanded one.
 using BreakForce = std::function<double(const SystemSettings& settings, double force_N)>;
 
 class WatchedHandle final : public HapticDevice {
