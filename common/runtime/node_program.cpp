@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <new>
 #include <optional>
 #include <thread>
 
@@ -43,9 +40,6 @@ struct Options {
     bool strict_rt = false, lock_step = false;
     pid_t launcher = 0;  // for stop_with_parent(); 0: this program outlives its launcher
 };
-
-// Time to write the last messages; the reader of a pipe may be gone.
-constexpr Duration kFarewell = std::chrono::seconds{1};
 
 double microseconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
 
@@ -200,46 +194,6 @@ class Guarded final : public Process {
     bool complained_ = false;
 };
 
-int end_without_memory() {
-    std::fputs("error: no memory is left: end other programs, or raise this one's limit\n", stderr);
-    return static_cast<int>(ExitCode::kRunFailed);
-}
-
-// Some library functions allocate but may not throw (std::filesystem, the destructor of a JSON value). Without memory they call
-// std::terminate. The program then prints the reason and ends with exit code 1.
-void (*const terminate_before)() = std::set_terminate([] {
-    try {
-        if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
-    } catch (const std::bad_alloc&) {
-        std::_Exit(end_without_memory());
-    } catch (...) {
-        terminate_before();
-    }
-    std::abort();
-});
-
-// The exit code of `body`, or of what it throws.
-int run_guarded(const std::function<int()>& body) {
-    try {
-        return body();
-    } catch (const ResultsLost& lost) {
-        return static_cast<int>(lost.code());
-    } catch (const Error& error) {
-        spdlog::error(error.what());
-        return static_cast<int>(error.code());
-    } catch (const std::filesystem::filesystem_error& error) {
-        spdlog::error("{}: {}; check that the folder exists and its permissions", error.path1().string(),
-                      error.code().message());
-        return static_cast<int>(ExitCode::kUsage);
-    } catch (const std::bad_alloc&) {
-        return end_without_memory();
-    } catch (const std::exception& error) {
-        // fmt::print() throws when a print to standard output fails.
-        if (std::ferror(stdout) == 0) spdlog::error("unexpected: {}", error.what());
-        return static_cast<int>(ExitCode::kRunFailed);
-    }
-}
-
 // A log of one trial in lock-step, whose clock begins anew with each; null: `file` is empty.
 std::unique_ptr<MessageLog> log_of_trial(const std::filesystem::path& file) {
     if (file.empty()) return nullptr;
@@ -369,21 +323,6 @@ nlohmann::ordered_json quantiles(const Histogram& h) {
             {"p99_us", microseconds(h.quantile(0.99))},
             {"worst_us", microseconds(h.worst())},
             {"count", h.count()}};
-}
-
-int guarded_main(const std::string& name, const std::function<int()>& body) {
-    open_standard_descriptors();
-    std::signal(SIGPIPE, SIG_IGN);  // a reader that leaves ends no trial; lost results are noticed at the end
-    const int ended = run_guarded([&] {
-        log_to_stderr(name);
-        return body();
-    });
-    return run_guarded([ended] {
-        stderr_written_within(kFarewell);  // before the results that wait in stdout's buffer
-        const int code = settle_results(ended);
-        stderr_written_within(kFarewell);
-        return code;
-    });
 }
 
 int run_node_program(const NodeProgram& program, int argc, char** argv) {

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/math/portable.hpp"
 #include "netem/profiles/profiles.hpp"
 
 namespace thimble {
@@ -69,9 +70,9 @@ double pick_number(double fallback, double low, double high, RandomStream& draw)
     if (kind < 0.1) return low;
     if (kind < 0.2) return high;
     const double near = std::abs(fallback) > 0 ? fallback : std::min(high, 1.0) * 1e-2;
-    if (kind < 0.75) return std::clamp(near * std::exp(draw.uniform(-1.6, 1.6)), low, high);
+    if (kind < 0.75) return std::clamp(near * portable::exp(draw.uniform(-1.6, 1.6)), low, high);
     const double least = std::max(low, 1e-6 * std::max(high, 1e-6));
-    return std::clamp(least * std::exp(draw.uniform() * std::log(high / least)), low, high);
+    return std::clamp(least * portable::exp(draw.uniform() * portable::log(high / least)), low, high);
 }
 
 std::string draw_number(const KeyDeclaration& key, RandomStream& draw) {

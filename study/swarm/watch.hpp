@@ -96,8 +96,8 @@ class Watch {
     InputNews force_handle_, force_finger_, force_bar_, needle_;
     SessionTime newest_echo_{};
     struct Force {
-        SessionTime at;
-        double force_N;
+        SessionTime at{};
+        double force_N = 0;
     };
     std::deque<Force> forces_;                     // that came to the handle and may still act, newest last
     std::array<SessionTime, kRoleCount> began_{};  // when a node's trial began
@@ -108,8 +108,8 @@ class Watch {
 
     PortObserver energy_;
     struct Energy {
-        SessionTime at;
-        double energy_J;
+        SessionTime at{};
+        double energy_J = 0;
     };
     std::deque<Energy> highest_J_;  // of the window, falling
     bool gave_too_much_ = false;

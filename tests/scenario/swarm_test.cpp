@@ -30,16 +30,10 @@ SwarmResult swarm(std::uint64_t seed, std::uint64_t trials, const BreakForce& br
     return run_swarm(options);
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint64_t kTrials = 150;
-#else
-constexpr std::uint64_t kTrials = 2000;
-#endif
-
 // How many: THIMBLE_SWARM_TRIALS (docs/reliability.md).
 TEST(Swarm, NoDrawnSessionBreaksAnInvariant) {
     const char* wanted = std::getenv("THIMBLE_SWARM_TRIALS");
-    const std::uint64_t trials = wanted == nullptr ? kTrials : std::strtoull(wanted, nullptr, 10);
+    const std::uint64_t trials = wanted == nullptr ? THIMBLE_SWARM_TRIALS : std::strtoull(wanted, nullptr, 10);
     const SwarmResult result = swarm(1, trials);
     EXPECT_TRUE(result.failures.empty()) << all_text(result);
     EXPECT_EQ(result.cases, trials);
