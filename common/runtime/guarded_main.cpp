@@ -1,4 +1,5 @@
 // How a program ends: what it throws becomes a reason on standard error and an exit code.
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -23,17 +24,17 @@ int end_without_memory() {
     return static_cast<int>(ExitCode::kRunFailed);
 }
 
+std::atomic<bool> memory_refused{false};
+[[maybe_unused]] const std::new_handler new_handler_before = std::set_new_handler([] {
+    memory_refused = true;
+    throw std::bad_alloc();
+});
+
 // Some library functions allocate but may not throw (std::filesystem, the destructor of a JSON value). Without memory they call
 // std::terminate. The program then prints the reason and ends with exit code 1.
-void (*const terminate_before)() = std::set_terminate([] {
-    try {
-        if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
-    } catch (const std::bad_alloc&) {
-        std::_Exit(end_without_memory());
-    } catch (...) {
-        terminate_before();
-    }
-    std::abort();
+const std::terminate_handler terminate_before = std::set_terminate([] {
+    if (memory_refused) std::_Exit(end_without_memory());
+    terminate_before();
 });
 
 // The exit code of `body`, or of what it throws.
