@@ -11,6 +11,9 @@ namespace {
 // Of two-port passivity, per sample, at the hand: a force that has nearly gone must not throw the proxy.
 constexpr double kMostCorrection_m = 1e-3;
 
+// A stamp may be years ahead (a clock that steps, a flipped bit), and some solvers take every step until then.
+constexpr Duration kLongestRest = std::chrono::seconds{10};
+
 // False for NaN too.
 bool within_reach(double position_m) { return std::abs(position_m) <= SlaveNode::kFarthestNeedleMetres; }
 
@@ -143,6 +146,7 @@ void SlaveNode::advance(SessionTime sample_time, const NeedleSample& needle) {
     Duration gap = sample_time - sample_time_;
     // After a hold the master may be another one, with another clock: then the length of the gap is unknown.
     if (gap <= Duration::zero()) gap = settings_.longest_step;
+    gap = std::min(gap, settings_.longest_step + kLongestRest);
     if (gap > settings_.longest_step) {
         timer_.lose_contact();
         step(gap - settings_.longest_step, scene_.needle());

@@ -149,6 +149,21 @@ TEST(SlaveNode, NeedleWaitsThroughALongGapAndTheTissueRests) {
     EXPECT_NEAR(bench.send(needle(0.08), seconds(60)).position_surface_m, 0.02, 1e-12);
 }
 
+// The swarm found it: a solver that steps went through all of the time until a stamp with a flipped bit.
+TEST(SlaveNode, AStampYearsAheadIsARestOfSeconds) {
+    SolverChoice choice;
+    choice.name = "semi_implicit_euler";
+    choice.longest_step_s = 1e-4;
+    SlaveSettings settings;
+    settings.make_tissue = solver_maker(choice);
+    SlaveNode node(settings);
+    node.start_trial(trial());
+    node.on_needle(SessionTime{seconds(1)}, 1, needle(0.01));
+    const ForceFeedback f = node.on_needle(SessionTime{std::chrono::hours{24 * 365 * 50}}, 2, needle(0.02));
+    EXPECT_EQ(f.position_needle_m, 0.02);
+    EXPECT_EQ(f.contact_time_s, 0);
+}
+
 TEST(SlaveNode, ASampleThatIsNotNewerMovesNothing) {
     Bench bench;
     bench.stay(0.05, 10);
