@@ -12,7 +12,7 @@ namespace {
 constexpr double kMostCorrection_m = 1e-3;
 
 // A stamp may be years ahead (a clock that steps, a flipped bit), and some solvers take every step until then.
-constexpr Duration kLongestRest = std::chrono::seconds{10};
+constexpr Duration kLongestRest = std::chrono::seconds{100};
 
 // False for NaN too.
 bool within_reach(double position_m) { return std::abs(position_m) <= SlaveNode::kFarthestNeedleMetres; }
