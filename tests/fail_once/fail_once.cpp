@@ -96,8 +96,9 @@ extern "C" {
 int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, void (*init)(), void (*fini)(),
                       void (*rtld_fini)(), void* stack_end) {
     real_main = main;
-    static auto* const next = next_of<int(int (*)(int, char**, char**), int, char**, void (*)(), void (*)(),
-                                          void (*)(), void*)>("__libc_start_main");
+    static auto* const next =
+        next_of<int(int (*)(int, char**, char**), int, char**, void (*)(), void (*)(), void (*)(), void*)>(
+            "__libc_start_main");
     return next(counting_main, argc, argv, init, fini, rtld_fini, stack_end);
 }
 

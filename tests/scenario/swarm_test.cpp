@@ -33,7 +33,8 @@ SwarmResult swarm(std::uint64_t seed, std::uint64_t trials, const BreakForce& br
 // How many: THIMBLE_SWARM_TRIALS (docs/reliability.md).
 TEST(Swarm, NoDrawnSessionBreaksAnInvariant) {
     const char* wanted = std::getenv("THIMBLE_SWARM_TRIALS");
-    const std::uint64_t trials = wanted == nullptr ? THIMBLE_SWARM_TRIALS : std::strtoull(wanted, nullptr, 10);
+    const std::uint64_t trials =
+        wanted == nullptr ? THIMBLE_SWARM_TRIALS : std::strtoull(wanted, nullptr, 10);
     const SwarmResult result = swarm(1, trials);
     EXPECT_TRUE(result.failures.empty()) << all_text(result);
     EXPECT_EQ(result.cases, trials);
