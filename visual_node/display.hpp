@@ -12,6 +12,19 @@
 
 namespace thimble {
 
+// For the cut-away view alone: what no subject of a study may see.
+struct CutAway {
+    double position_needle_m = 0;  // with its inserted part
+    double position_fixture_m = 0;
+    double force_tissue_N = 0;  // on the operator: negative resists insertion
+    double force_fixture_N = 0;
+    std::optional<double>
+        position_hand_m{};  // where the hand wants the needle; not known of a recorded trial
+    TissuePhase phase = TissuePhase::kFree;
+    Modality modality = Modality::kHF;
+    bool fixture_present = true;
+};
+
 struct Scene {
     double position_needle_m = 0;  // clipped to the surface once inside: the inserted part is never shown
     double position_surface_m = 0;
@@ -32,6 +45,7 @@ struct Scene {
     SessionTime hand_time{};    // when the handle was read, on the master's clock
     SessionTime answer_time{};  // when slave_sim answered, on its clock
     std::uint32_t trial = 0;
+    std::optional<CutAway> cut_away{};
 };
 
 struct ShownScene {

@@ -22,7 +22,7 @@ using namespace thimble;
 
 struct Choices {
     bool window = false, fullscreen = false;
-    std::string view = "subject", screenshot;
+    std::string view = "subject", scene = "cutaway", screenshot;
 };
 
 // Frames go nowhere but into memory: no screen is needed.
@@ -53,6 +53,7 @@ std::unique_ptr<NodeInstance> build_window(VisualSettings settings, Instructions
     // The screen has its own rate; a scene that waits for a second clock would only be older.
     if (!settings.refresh_given) settings.refresh_Hz = 1000;
     if (player) settings.fingertip = settings.pointer = true;
+    settings.cut_away = player && choices.scene == "cutaway";
     settings.fullscreen = settings.fullscreen || choices.fullscreen;
     std::unique_ptr<Overlay> overlay;
     // Its sockets are its own: the node's wake the node's thread.
@@ -95,7 +96,8 @@ int main(int argc, char** argv) {
     program.description =
         "Shows the needle outside the tissue and the surface, in VF the bar of the resisting force, and "
         "gives the beep. "
-        "Never shows the fixture or the inserted part of the needle. Without a window, the display records "
+        "Never shows a subject the fixture or the inserted part of the needle. Without a window, the display "
+        "records "
         "frames.";
     program.example = "thimble-visual deploy/sessions/delay50.toml --window";
     program.tables = {"network", "runtime", "visual", "instructions"};
@@ -106,6 +108,10 @@ int main(int argc, char** argv) {
                        "subject: the scene alone, and the pointer as the hand where [handle] device says so; "
                        "player: the pointer and a panel (implies --window)")
             ->check(CLI::IsMember({"subject", "player"}));
+        app.add_option(
+               "--scene", choices.scene,
+               "of --view player: cutaway, with the inserted needle and the fixture, or subject, without")
+            ->check(CLI::IsMember({"cutaway", "subject"}));
         app.add_option("--screenshot", choices.screenshot, "save the last picture to this PNG file");
     };
     program.read = [](const ConfigFile& file) {

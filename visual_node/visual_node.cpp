@@ -23,6 +23,7 @@ void VisualNode::start_trial(SessionTime now, const SessionControl& control, std
     seen_sample_time_ = now;
     trial_ = trial;
     modality_ = control.modality;
+    position_fixture_m_ = control.fixture_position_m;
     running_ = true;
 }
 
@@ -41,6 +42,14 @@ void VisualNode::on_feedback(SessionTime now, const ForceFeedback& feedback, Ses
     newest_.arrived = now;
     newest_.hand_time = feedback.echo_time;
     newest_.answered = answered;
+    newest_.whole = {feedback.position_needle_m,
+                     position_fixture_m_,
+                     feedback.force_tissue_N,
+                     feedback.force_fixture_N,
+                     std::nullopt,
+                     feedback.phase,
+                     modality_,
+                     feedback.fixture_present};
 }
 
 std::optional<Scene> VisualNode::frame(SessionTime now) {
@@ -71,6 +80,7 @@ void VisualNode::add_what_pictures_need(SessionTime now, Scene& scene) const {
     scene.hand_time = newest_.hand_time;
     scene.answer_time = newest_.answered;
     scene.trial = trial_;
+    if (settings_.cut_away) scene.cut_away = newest_.whole;
 }
 
 // Counted from the first frame: 1/60 s is no whole number of nanoseconds, and the error must not add up.

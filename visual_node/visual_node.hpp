@@ -1,5 +1,5 @@
-// The operator's view: the needle outside the tissue, the surface, in VF a bar for the resisting force.
-// Never the inserted part of the needle, never the fixture. And the beep.
+// The operator's view: the needle outside the tissue, the surface, in VF a bar for the resisting force. And the beep.
+// A subject's scene never has the inserted part of the needle or the fixture. With VisualSettings::cut_away a scene has both.
 #pragma once
 
 #include <cstdint>
@@ -44,6 +44,7 @@ class VisualNode {
         SessionTime arrived = kNever;  // kNever: none in this trial
         double position_rest_m = 0;    // the surface in the first one
         SessionTime hand_time{}, answered{};
+        CutAway whole;
     };
 
     void schedule_after(SessionTime now);
@@ -60,6 +61,7 @@ class VisualNode {
     SessionTime seen_sample_time_{};
     std::uint32_t trial_ = 0;
     Modality modality_ = Modality::kHF;
+    double position_fixture_m_ = 0;
     bool running_ = false;
 };
 

@@ -24,6 +24,7 @@ struct VisualSettings {
     Duration smoothing{};
     double pointer_m_per_count = 5e-5;
     bool fingertip = false;
+    bool cut_away = false;  // scenes for the cut-away view: never of a subject
     bool sound = true;
     bool fullscreen = false;
     bool pointer = false;          // [handle] device = "pointer": the mouse in the window is the hand

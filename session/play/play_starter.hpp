@@ -27,11 +27,12 @@ inline bool has_text(const char* variable) {
 class PlayStarter final : public NodeStarter {
   public:
     // `visual_command`: program and arguments instead of thimble-visual's window; empty: the window. `pointer`: the window's
-    // pointer is the hand, else the session file's [handle] says what is.
+    // pointer is the hand, else the session file's [handle] says what is. `scene`: of the window.
     PlayStarter(std::filesystem::path programs, std::filesystem::path config,
-                std::vector<std::string> visual_command, bool pointer = true)
+                std::vector<std::string> visual_command, bool pointer = true, std::string scene = "cutaway")
         : local_(std::move(programs), std::move(config)),
           visual_command_(std::move(visual_command)),
+          scene_(std::move(scene)),
           pointer_(pointer) {}
 
     std::shared_ptr<RunningNode> start(const NodeOrder& order) const override {
@@ -39,7 +40,8 @@ class PlayStarter final : public NodeStarter {
         if (order.role == Role::kMaster && pointer_) mine.arguments.emplace_back("--pointer");
         if (order.role != Role::kVisual) return local_.start(mine);
         if (visual_command_.empty()) {
-            for (const char* word : {"--window", "--view", "player"}) mine.arguments.emplace_back(word);
+            for (const char* word : {"--window", "--view", "player", "--scene", scene_.c_str()})
+                mine.arguments.emplace_back(word);
         } else {
             mine.program = visual_command_.front();
             mine.arguments.insert(mine.arguments.end(), visual_command_.begin() + 1, visual_command_.end());
@@ -61,6 +63,7 @@ class PlayStarter final : public NodeStarter {
   private:
     LocalStarter local_;
     std::vector<std::string> visual_command_;
+    std::string scene_;
     bool pointer_;
     mutable std::weak_ptr<RunningNode> window_;  // the condition's run owns it
 };

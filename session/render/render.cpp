@@ -8,7 +8,7 @@
 #include "session/render/rendered_scenes.hpp"
 #include "visual_node/window/captions.hpp"
 #include "visual_node/window/image.hpp"
-#include "visual_node/window/painter.hpp"
+#include "visual_node/window/scene_painter.hpp"
 
 namespace thimble {
 namespace {
@@ -52,12 +52,10 @@ class Studio {
     Image shoot(const std::optional<Scene>& scene, double time_s) {
         window_.poll_events();
         window_.begin_frame(colours::kBackground);
-        std::optional<Picture> picture;
-        if (scene) picture = picture_of(*scene, {window_.width(), window_.height(), 1});
-        if (picture) painter_.paint(*picture);
+        if (scene) painter_.paint(*scene, {window_.width(), window_.height(), 1}, window_.width());
         gui_.begin();
-        if (picture) draw_over_tissue(*picture);
-        draw_notice(fmt::format("{}   {:6.2f} s", title_, time_s), window_.width());
+        if (scene) painter_.draw_over(*scene);
+        draw_title(fmt::format("{}   {:6.2f} s", title_, time_s));
         gui_.end();
         Image image = window_.read_pixels();
         window_.end_frame();
@@ -65,9 +63,14 @@ class Studio {
     }
 
   private:
+    void draw_title(const std::string& title) const {
+        if (painter_.cutaway()) return draw_headline(title, *painter_.cutaway());
+        draw_notice(title, window_.width());
+    }
+
     GlWindow window_;
     GuiLayer gui_;
-    Painter painter_;
+    ScenePainter painter_;
     std::string title_;
 };
 

@@ -28,4 +28,16 @@ inline int count_pixels(const Image& image, const Rect& rect, Colour colour) {
     return count;
 }
 
+// Pixels of the rectangle that differ by more than drivers' rounding.
+inline int count_different(const Image& a, const Image& b, const Rect& rect) {
+    int count = 0;
+    for (int y = static_cast<int>(rect.y); y < static_cast<int>(rect.bottom()); ++y) {
+        for (int x = static_cast<int>(rect.x); x < static_cast<int>(rect.right()); ++x) {
+            const Rgb p = a.at(x, y), q = b.at(x, y);
+            count += std::abs(p[0] - q[0]) + std::abs(p[1] - q[1]) + std::abs(p[2] - q[2]) > 24 ? 1 : 0;
+        }
+    }
+    return count;
+}
+
 }  // namespace thimble

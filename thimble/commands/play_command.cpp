@@ -27,7 +27,7 @@ struct PlayArguments {
     PlayOptions play;
     ReplayPlayOptions replay;
     RenderPlan render;
-    std::string config, modality, visual_command, video;
+    std::string config, modality, visual_command, video, view = "cutaway";
     std::optional<double> delay_s;
     double seconds = 0;
     int base_port = 0;
@@ -45,6 +45,7 @@ int render_recorded(PlayArguments& a, const SystemSettings& settings) {
     if (plan.frames.empty()) plan.frames = a.video + "_frames";
     if (!a.video.empty()) plan.video = a.video;
     plan.visual = settings.visual;
+    plan.visual.cut_away = a.view == "cutaway";
     const RecordedTrial trial = find_recorded_trial(a.replay.folder, a.replay.trial, a.replay.contact_hold_s);
     std::optional<Progress> progress{std::in_place};
     plan.progress = [&](std::size_t done, std::size_t all) {
@@ -89,8 +90,9 @@ int run_play(PlayArguments a) {
         return render_recorded(a, settings);
     }
     if (a.visual_command.empty()) check_window(program_folder());
-    a.play.starter = a.replay.starter = std::make_shared<PlayStarter>(
-        program_folder(), a.config, words_of(a.visual_command), settings.handle.kind != HandleKind::kHid);
+    a.play.starter = a.replay.starter =
+        std::make_shared<PlayStarter>(program_folder(), a.config, words_of(a.visual_command),
+                                      settings.handle.kind != HandleKind::kHid, a.view);
     const bool replays = !a.replay.folder.empty();
     install_stop_signals(replays ? QuitSignal::kEnds : QuitSignal::kStopsEverything);
     warn_if_unprotected(a.play.network);
@@ -147,6 +149,10 @@ Subcommand add_play(CLI::App& app) {
         ->default_val(arguments->replay.speed)
         ->check(CLI::Range(ReplayClock::kSlowest, ReplayClock::kFastest))
         ->needs(replay);
+    sub->add_option("--view", arguments->view,
+                    "cutaway: the needle inside the tissue and the fixture; subject: the paper's screen")
+        ->default_val(arguments->view)
+        ->check(CLI::IsMember({"cutaway", "subject"}));
     add_render_options(*sub, replay, *arguments);
     add_base_port_option(*sub, arguments->base_port);
     sub->add_option("--seconds", arguments->seconds, "end by itself after so long")

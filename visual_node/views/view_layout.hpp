@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "visual_node/window/rect.hpp"
+
 namespace thimble {
 
 // At content scale 1.
@@ -21,12 +23,6 @@ inline constexpr std::array kPlotShares{0.34, 0.24, 0.21, 0.21};
 inline constexpr double kRowHeight = 30, kRowGap = 4;
 
 inline constexpr double kSideViewStep_m = 0.02;
-
-struct Rect {
-    double x = 0, y = 0, width = 0, height = 0;
-    double right() const { return x + width; }
-    double bottom() const { return y + height; }
-};
 
 inline constexpr std::size_t kPlotCount = 4;
 

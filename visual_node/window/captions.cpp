@@ -123,6 +123,18 @@ void draw_fingertip(ImDrawList& list, const Picture::Fingertip& finger) {
     draw_ellipse(list, nail_middle, 0.66F * r, 0.72F * r, to_ink(nail));
 }
 
+// On a soft dark ground, so that it can be read over each layer.
+void draw_label(ImDrawList& list, const CutawayLabel& label) {
+    const ImVec2 size = ImGui::CalcTextSize(label.text.c_str());
+    ImVec2 corner = place(label.at.x, label.at.y);
+    corner.x = std::floor(label.ends_there ? corner.x - size.x : corner.x);
+    corner.y = std::floor(corner.y - size.y / 2);
+    const float margin = 0.25F * size.y;
+    list.AddRectFilled({corner.x - margin, corner.y}, {corner.x + size.x + margin, corner.y + size.y},
+                       IM_COL32(16, 17, 20, 150), margin);
+    list.AddText(corner, to_ink(label.colour), label.text.c_str());
+}
+
 }  // namespace
 
 PageText page_text(const Page& page) {
@@ -168,6 +180,17 @@ void draw_over_tissue(const Picture& picture) {
     if (picture.bar) draw_bar(list, *picture.bar, picture.size.content_scale);
     if (picture.fingertip) draw_fingertip(list, *picture.fingertip);
     list.Flags = flags;
+}
+
+void draw_over_cutaway(const Scene& scene, const CutawayPlan& plan) {
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    for (const CutawayLabel& label : cutaway_labels(scene, plan)) draw_label(list, label);
+    if (scene.bar_shown) draw_bar(list, cutaway_bar(scene, plan), plan.unit);
+}
+
+void draw_headline(const std::string& text, const CutawayPlan& plan) {
+    const CutawayLabel label{{plan.area.x + 22 * plan.unit, plan.area.y + 24 * plan.unit}, text, kWhite};
+    draw_label(*ImGui::GetBackgroundDrawList(), label);
 }
 
 void draw_page(const GuiLayer& gui, const PageText& text) {

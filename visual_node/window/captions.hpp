@@ -6,6 +6,7 @@
 
 #include "common/messages.hpp"
 #include "visual_node/instructions.hpp"
+#include "visual_node/window/cutaway.hpp"
 #include "visual_node/window/frame_times.hpp"
 #include "visual_node/window/gui_layer.hpp"
 #include "visual_node/window/picture.hpp"
@@ -25,6 +26,10 @@ PageText page_text(const Page& page, const Instructions& instructions, bool subj
 
 // Needle, bar with its scale, and fingertip, over the tissue that Painter has painted.
 void draw_over_tissue(const Picture& picture);
+// Labels, and in VF the bar, over the cut-away view.
+void draw_over_cutaway(const Scene& scene, const CutawayPlan& plan);
+// A line at the top left, where the needle never is.
+void draw_headline(const std::string& text, const CutawayPlan& plan);
 // Covers the scene. Lines too long for the window are broken between words.
 void draw_page(const GuiLayer& gui, const PageText& text);
 // A box in the middle.

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "common/error.hpp"
+#include "visual_node/window/shader.hpp"
 
 namespace thimble {
 namespace {
@@ -11,8 +11,7 @@ namespace {
 // depth(): the surface of an elastic half-space under a rigid flat punch of radius a, u = u0 (2 / pi) arcsin(a / r) (Johnson,
 // Contact Mechanics, 1985, eq. 3.38). The radius is ten times a needle's, so that it is seen: a drawing, no measurement.
 // A vertex is (u, v, w): u from -1, left, to 1; v from -1, near, to 1, far; w = 1 beneath the near edge, at the bottom.
-constexpr const char* kVertexSource = R"(#version 330 core
-layout(location = 0) in vec3 place;
+constexpr const char* kVertexSource = R"(layout(location = 0) in vec3 place;
 uniform vec2 pixel;    // in clip coordinates, y upwards
 uniform vec2 surface;  // x of the needle, y far from it
 uniform vec3 block;    // half width, half depth, y of the bottom
@@ -41,8 +40,7 @@ void main() {
 }
 )";
 
-constexpr const char* kFragmentSource = R"(#version 330 core
-in vec3 normal;
+constexpr const char* kFragmentSource = R"(in vec3 normal;
 in float face;
 in float down;
 uniform vec3 colour;
@@ -56,30 +54,6 @@ void main() {
     shown = vec4(colour * mix(top, front, step(0.5, face)), 1.0);
 }
 )";
-
-// Words of the driver about a shader, or about a program.
-using Log = void (*)(GLuint, GLsizei, GLsizei*, GLchar*);
-
-void require(GLint good, GLuint object, Log log) {
-    if (good == GL_TRUE) return;
-    std::array<char, 1024> words{};
-    log(object, words.size(), nullptr, words.data());
-    throw Error(ExitCode::kRunFailed,
-                "OpenGL refuses the shader 'tissue': {}; another driver may take it (LIBGL_ALWAYS_SOFTWARE=1 "
-                "draws in software)",
-                words.data());
-}
-
-void attach(GLuint program, GLenum kind, const char* source) {
-    const GLuint shader = glCreateShader(kind);
-    glShaderSource(shader, 1, &source, nullptr);
-    glCompileShader(shader);
-    GLint good = GL_FALSE;
-    glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
-    require(good, shader, glGetShaderInfoLog);
-    glAttachShader(program, shader);
-    glDeleteShader(shader);  // with the program
-}
 
 using Place = std::array<float, 3>;
 
@@ -120,13 +94,7 @@ std::vector<GLuint> cells() {
 
 }  // namespace
 
-Painter::Painter() : program_(glCreateProgram()) {
-    attach(program_, GL_VERTEX_SHADER, kVertexSource);
-    attach(program_, GL_FRAGMENT_SHADER, kFragmentSource);
-    glLinkProgram(program_);
-    GLint good = GL_FALSE;
-    glGetProgramiv(program_, GL_LINK_STATUS, &good);
-    require(good, program_, glGetProgramInfoLog);
+Painter::Painter() : program_(build_program("tissue", kVertexSource, kFragmentSource)) {
     const auto vertices = places();
     const auto indices = cells();
     index_count_ = static_cast<GLsizei>(indices.size());

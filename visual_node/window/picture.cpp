@@ -10,7 +10,6 @@ constexpr double kStrip_px = 92;  // at content scale 1, at the bottom: bar and 
 constexpr double kBar_px = 400;
 constexpr double kBarHeight_px = 26;
 constexpr double kNeedle_px = 7;
-constexpr double kDimple_m = 0.006;
 constexpr double kBlockHalfWidth_m = 0.075;
 constexpr double kBlockHalfDepth_m = 0.030;
 constexpr double kMargin_px = 24;
@@ -28,10 +27,7 @@ Picture::Bar bar_of(const Scene& scene, const PictureSize& size) {
     bar.height = std::round(kBarHeight_px * scale);
     bar.left = std::floor((size.width - bar.full_length) / 2);
     bar.top = std::round(size.height - (kStrip_px - kMargin_px / 2) * scale);
-    // Five to ten marks of 1, 2 or 5 in a decade.
-    const double decade = std::pow(10, std::floor(std::log10(bar.full_N / 5)));
-    const double steps = bar.full_N / 5 / decade;
-    bar.tick_N = decade * (steps < 2 ? 1 : steps < 5 ? 2 : 5);
+    bar.tick_N = bar_tick_N(bar.full_N);
     return bar;
 }
 
@@ -41,6 +37,13 @@ Picture::Fingertip fingertip_of(const Scene& scene, const PictureSize& size) {
 }
 
 }  // namespace
+
+// Five to ten marks of 1, 2 or 5 in a decade.
+double bar_tick_N(double full_N) {
+    const double decade = std::pow(10, std::floor(std::log10(full_N / 5)));
+    const double steps = full_N / 5 / decade;
+    return decade * (steps < 2 ? 1 : steps < 5 ? 2 : 5);
+}
 
 Picture picture_of(const Scene& scene, const PictureSize& size) {
     Picture picture;

@@ -44,12 +44,16 @@ struct Picture {
 
 // Seen along the tissue's surface from a little above: what is 1 m further away stands this many metres higher.
 inline constexpr double kTilt = 0.35;
+// The radius of the punch that the dimple is drawn of.
+inline constexpr double kDimple_m = 0.006;
 // Of the axis z: from here to there the picture reaches (the bar's strip at the bottom not counted).
 inline constexpr double kTop_m = -0.030;
 inline constexpr double kBottom_m = 0.080;
 // Where a drawn fingertip is as pale as it gets. A nail's colour ceases to change at a few newton.
 inline constexpr double kBlanched_N = 4;
 
+// Between two marks of a bar's scale.
+double bar_tick_N(double full_N);
 // `scene` with any numbers, NaN included: what cannot be drawn stays at the picture's edges.
 Picture picture_of(const Scene& scene, const PictureSize& size);
 

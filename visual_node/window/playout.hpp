@@ -21,6 +21,10 @@ inline Scene between(const Scene& older, const Scene& newer, SessionTime stamp) 
     scene.position_surface_m += way * (newer.position_surface_m - older.position_surface_m);
     // Rounding must not put the needle beneath the surface.
     scene.position_needle_m = std::min(scene.position_needle_m, scene.position_surface_m);
+    if (scene.cut_away && newer.cut_away) {
+        double& needle_m = scene.cut_away->position_needle_m;
+        needle_m += way * (newer.cut_away->position_needle_m - needle_m);
+    }
     return scene;
 }
 

@@ -8,9 +8,9 @@
 
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/shared_values.hpp"
 #include "visual_node/window/captions.hpp"
 #include "visual_node/window/image.hpp"
-#include "visual_node/window/painter.hpp"
 // clang-format off
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -203,16 +203,12 @@ bool WindowLoop::draw(SessionTime now) {
     GlWindow& window = *parts_.window;
     begun_ = now;
     window.begin_frame(colours::kBackground);
-    const auto scene = playout_.at(now);
-    stale_ = scene && scene->stale;
-    vibrate(now, scene);
-    std::optional<Picture> picture;
-    if (const int width = scene_width(); scene && width > 0 && window.height() > 0) {
-        picture = picture_of(*scene, {width, window.height(), window.content_scale()});
-        painter_.paint(*picture);
-    }
+    const auto scene = scene_at(now);
+    const int width = scene_width();
+    const bool visible = scene && width > 0 && window.height() > 0;
+    if (visible) painter_.paint(*scene, {width, window.height(), window.content_scale()}, window.width());
     gui_.begin();
-    draw_captions(now, picture);
+    draw_captions(now, visible ? scene : std::nullopt);
     gui_.end();
     if (wanted_ != nullptr) *wanted_ = window.read_pixels();
     if (shot_asked_) save_screenshot(window.read_pixels());
@@ -233,14 +229,31 @@ bool WindowLoop::draw(SessionTime now) {
     return true;
 }
 
-void WindowLoop::draw_captions(SessionTime now, const std::optional<Picture>& picture) {
-    if (picture) draw_over_tissue(*picture);
+std::optional<Scene> WindowLoop::scene_at(SessionTime now) {
+    auto scene = playout_.at(now);
+    stale_ = scene && scene->stale;
+    vibrate(now, scene);
+    if (scene && scene->cut_away && parts_.hand != nullptr) {
+        const HandInput hand = parts_.hand->hand();
+        if (hand.engaged) scene->cut_away->position_hand_m = kPositionScale * hand.position_hand_m;
+    }
+    return scene;
+}
+
+// The picture may be wrong by now, and nothing would show it.
+void WindowLoop::draw_notices() const {
+    const std::string text = stale_ ? "no news from the needle: the picture stands still" : notice_;
+    if (!painter_.cutaway()) return draw_notice(text, scene_width());
+    if (!text.empty()) draw_headline(text, *painter_.cutaway());
+}
+
+void WindowLoop::draw_captions(SessionTime now, const std::optional<Scene>& scene) {
+    if (scene) painter_.draw_over(*scene);
     if (parts_.overlay != nullptr) {
         parts_.overlay->draw(now, {*parts_.window, gui_, parts_.display == nullptr ? nullptr : &times_});
     }
     if (times_shown_ && parts_.display != nullptr) draw_times(times_);
-    // The picture may be wrong by now, and nothing would show it.
-    draw_notice(stale_ ? "no news from the needle: the picture stands still" : notice_, scene_width());
+    draw_notices();
     if (page_.kind != PageKind::kNone) {
         static const Instructions kUnchanged;
         const Instructions& words = parts_.instructions == nullptr ? kUnchanged : *parts_.instructions;

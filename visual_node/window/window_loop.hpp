@@ -12,9 +12,9 @@
 #include "visual_node/window/beeper.hpp"
 #include "visual_node/window/frame_times.hpp"
 #include "visual_node/window/overlay.hpp"
-#include "visual_node/window/painter.hpp"
 #include "visual_node/window/playout.hpp"
 #include "visual_node/window/pointer_hand.hpp"
+#include "visual_node/window/scene_painter.hpp"
 #include "visual_node/window/window_display.hpp"
 
 namespace thimble {
@@ -72,13 +72,15 @@ class WindowLoop {
     void take_events(SessionTime now, std::span<const WindowEvent> events);
     int scene_width() const;
     bool draw(SessionTime now);
-    void draw_captions(SessionTime now, const std::optional<Picture>& picture);
+    std::optional<Scene> scene_at(SessionTime now);
+    void draw_captions(SessionTime now, const std::optional<Scene>& scene);
+    void draw_notices() const;
     std::string keys() const;
     void save_screenshot(const Image& image) const;
 
     Parts parts_;
     GuiLayer gui_;
-    Painter painter_;
+    ScenePainter painter_;
     Playout playout_;
     FrameTimes times_;
     FramePace pace_;

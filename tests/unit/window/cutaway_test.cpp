@@ -1,0 +1,88 @@
+#include "visual_node/window/cutaway.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+
+#include "visual_node/visual_node.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Rect kArea{0, 0, 800, 600};
+
+Scene scene_with(double needle_m, Modality modality = Modality::kHF) {
+    Scene scene;
+    scene.position_surface_m = scene.position_surface_rest_m = 0.02;
+    scene.cut_away =
+        CutAway{needle_m, 0.12, -1, needle_m > 0.12 ? -3.0 : 0, std::nullopt, TissuePhase::kPenetrated,
+                modality, true};
+    return scene;
+}
+
+std::vector<std::string> texts(const Scene& scene) {
+    std::vector<std::string> all;
+    for (const CutawayLabel& label : cutaway_labels(scene, plan_cutaway(kArea))) all.push_back(label.text);
+    return all;
+}
+
+TEST(Cutaway, AMillimetreIsAsLongInEachDepth) {
+    const CutawayPlan plan = plan_cutaway(kArea);
+    EXPECT_NEAR(plan.y(kCutawayTop_m), 0, 1e-9);
+    EXPECT_NEAR(plan.y(kCutawayBottom_m), 600, 1e-9);
+    EXPECT_NEAR(plan.y(0.1) - plan.y(0.09), 0.01 * plan.per_m, 1e-9);
+}
+
+TEST(Cutaway, ForceAndDepthStandBesideTheNeedle) {
+    EXPECT_THAT(texts(scene_with(0.122)), testing::IsSupersetOf({"4.0 N", "102 mm deep", "virtual wall"}));
+    Scene outside = scene_with(0.01);
+    outside.cut_away->phase = TissuePhase::kFree;
+    outside.cut_away->force_tissue_N = 0;
+    outside.cut_away->fixture_present = false;
+    EXPECT_THAT(texts(outside), testing::Not(testing::Contains(testing::HasSubstr("deep"))));
+    EXPECT_THAT(texts(outside), testing::Not(testing::Contains("virtual wall")));
+}
+
+TEST(Cutaway, ModalitiesHaveWordsOfTheirOwn) {
+    EXPECT_THAT(texts(scene_with(0.1, Modality::kCCF)),
+                testing::IsSupersetOf({"force on the other hand", "moving hand"}));
+    EXPECT_THAT(texts(scene_with(0.1, Modality::kVF)), testing::Contains("force as a bar"));
+}
+
+// A window of any size, and a needle anywhere, give numbers that a painter can draw.
+TEST(Cutaway, DrawsWhateverItIsGiven) {
+    Mesh mesh;
+    for (const double needle_m : {-9.0, 0.0, 0.3, std::numeric_limits<double>::quiet_NaN()}) {
+        for (const Rect& area : {kArea, Rect{10, 20, 1, 1}, Rect{0, 0, 3840, 2160}}) {
+            build_cutaway(scene_with(needle_m), plan_cutaway(area), mesh);
+            EXPECT_TRUE(
+                std::all_of(mesh.vertices().begin(), mesh.vertices().end(),
+                            [](const Mesh::Vertex& v) { return std::isfinite(v.x) && std::isfinite(v.y); }))
+                << needle_m;
+            for (const std::uint32_t index : mesh.indices()) ASSERT_LT(index, mesh.vertices().size());
+        }
+    }
+}
+
+TEST(Cutaway, IsInASceneWhereItIsAskedFor) {
+    for (const bool asked : {false, true}) {
+        VisualSettings settings;
+        settings.cut_away = asked;
+        VisualNode node(settings);
+        SessionControl control;
+        control.fixture_position_m = 0.11;
+        node.start_trial(from_nanoseconds(1), control, 1);
+        ForceFeedback feedback;
+        feedback.position_needle_m = 0.1;
+        node.on_feedback(node.next_frame(), feedback);
+        const Scene scene = node.frame(node.next_frame()).value();
+        ASSERT_EQ(scene.cut_away.has_value(), asked);
+        if (asked) EXPECT_EQ(scene.cut_away->position_fixture_m, 0.11);
+        if (asked) EXPECT_EQ(scene.cut_away->position_needle_m, 0.1);
+    }
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,29 @@
+// A scene as its view shows it: with CutAway the cut-away view, else the subject's screen.
+#pragma once
+
+#include <optional>
+
+#include "visual_node/window/cutaway.hpp"
+#include "visual_node/window/mesh_painter.hpp"
+#include "visual_node/window/painter.hpp"
+
+namespace thimble {
+
+class ScenePainter : boost::noncopyable {
+  public:
+    // The scene into the left `size` of a framebuffer that is `framebuffer_width` wide. Before GuiLayer::begin().
+    void paint(const Scene& scene, const PictureSize& size, int framebuffer_width);
+    // What stands over the last painted scene: texts, and on the subject's screen the needle. After GuiLayer::begin().
+    void draw_over(const Scene& scene) const;
+    // Where the last cut-away view stands; nothing after a scene without one.
+    const std::optional<CutawayPlan>& cutaway() const { return plan_; }
+
+  private:
+    Painter subject_;
+    MeshPainter mesh_painter_;
+    Mesh mesh_;
+    std::optional<CutawayPlan> plan_;
+    std::optional<Picture> picture_;
+};
+
+}  // namespace thimble
