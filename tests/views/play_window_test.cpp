@@ -42,7 +42,7 @@ class PlayInAWindow : public OnAScreen {
         };
         ASSERT_TRUE(shows([](const Monitor&) { return true; })) << read_text(folder_ / "replay");
         // Without a window manager it lies at the screen's corner, and keys are for the window under the pointer.
-        ASSERT_TRUE(screen_->hand({"mousemove", "950", "500"}));
+        ASSERT_TRUE(screen_->hand({"mousemove", "1100", "500"}));
         const double length_s = view.replay().duration_s;
         const auto at = [](double time_s) {
             return [time_s](const Monitor& m) { return m.paused && std::abs(m.time_s - time_s) < 1e-9; };
@@ -65,7 +65,7 @@ class PlayInAWindow : public OnAScreen {
             return std::abs(view.monitor().time_s - length_s / 2) < 0.05 * length_s;
         };
         for (int y = 20; y < 100 && !half(); y += 10) {
-            ASSERT_TRUE(screen_->hand({"mousemove", "950", std::to_string(y), "sleep", "0.1", "mousedown",
+            ASSERT_TRUE(screen_->hand({"mousemove", "1100", std::to_string(y), "sleep", "0.1", "mousedown",
                                        "1", "sleep", "0.1", "mouseup", "1", "sleep", "0.1"}));
         }
         EXPECT_TRUE(half());

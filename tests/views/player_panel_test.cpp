@@ -73,8 +73,7 @@ TEST_F(PlayerPanelTest, ShowsTheLastSecondsAndNeverTheFixture) {
     const Rect panel = PlayerPanel::place(image.width, image.height, 1);
     EXPECT_GT(count_pixels(image, panel, kOrange), 100);  // the needle's curve
     EXPECT_EQ(count_pixels(image, whole, kReddishPurple), 0);
-    EXPECT_EQ(count_pixels(image, {0, 0, panel.x, whole.height}, kBlack),
-              static_cast<int>(panel.x * whole.height));
+    EXPECT_GT(count_pixels(image, {0, 0, panel.x, whole.height}, kYellow), 100);  // the next step
     EXPECT_EQ(count_pixels(image, panel, kVermillion), 0);
     player.run(1, false);
     EXPECT_GT(count_pixels(player.image(), panel, kVermillion), 50);  // silence, in red

@@ -138,26 +138,49 @@ bool draw_delay_slider(const Rect& cell, double& delay_s) {
     return moved;
 }
 
-void draw_key_help(std::span<const Key> keys, double scale) {
-    const ImVec2 middle{ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y / 2};
-    ImGui::SetNextWindowPos(middle, ImGuiCond_Always, {0.5F, 0.5F});
+void draw_key_help(std::span<const Key> keys, const Rect& area, double scale) {
+    ImGui::SetNextWindowPos(point(area.x + area.width / 2, area.y + area.height / 2), ImGuiCond_Always,
+                            {0.5F, 0.5F});
+    ImGui::SetNextWindowSizeConstraints({0, 0}, extent(area));
     ImGui::SetNextWindowFocus();
     ImGui::Begin("Keys", nullptr,
                  ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings);
+    ImGui::SetWindowFontScale(0.9F);
     for (const Key& key : keys) {
         ImGui::TextColored(gui_colour(kOrange), "%s", key_name(key).c_str());
-        ImGui::SameLine(static_cast<float>(96 * scale));
+        ImGui::SameLine(static_cast<float>(84 * scale));
         ImGui::Text("%s", key.button);
-        ImGui::SameLine(static_cast<float>(200 * scale));
+        ImGui::SameLine(static_cast<float>(230 * scale));
         ImGui::TextUnformatted(key.help);
     }
-    ImGui::TextColored(gui_colour(kOrange),
-                       "Backspace: EMERGENCY STOP; release it with: thimble stop --release");
-    const bool networks = std::any_of(keys.begin(), keys.end(),
-                                      [](const Key& key) { return key.command == Command::kNetwork0; });
-    if (networks)
-        ImGui::TextUnformatted("The slider changes a network's delay alone; its jitter and loss stay.");
+    ImGui::TextColored(gui_colour(kOrange), "Backspace: EMERGENCY STOP");
+    ImGui::TextUnformatted(
+        "Click: take the needle. Esc: let go. F2: times. F12: save the picture. F10: end.");
+    ImGui::End();
+}
+
+void draw_stop_strip(StopControl& stops, const Rect& strip, double scale, SessionTime now) {
+    begin_fixed("stop", strip, Ground::kFilled);
+    const bool holds = stops.holds();
+    const Colour colour = holds ? kYellow : kVermillion;
+    const Rect cell{strip.x + 6 * scale, strip.y + 6 * scale, strip.width - 12 * scale,
+                    strip.height - 12 * scale};
+    ImGui::SetCursorScreenPos(corner(cell));
+    for (const ImGuiCol_ part : {ImGuiCol_Button, ImGuiCol_ButtonHovered, ImGuiCol_ButtonActive})
+        ImGui::PushStyleColor(part, paint(colour));
+    ImGui::PushStyleColor(ImGuiCol_Text, paint(kBlack));
+    const bool hit = ImGui::Button(
+        holds ? "STOPPED: no force\nhold for 1 s to release###stop" : "STOP  [Backspace]###stop",
+        extent(cell));
+    ImGui::PopStyleColor(4);
+    const double near = stops.press(now, holds && ImGui::IsItemActive());
+    if (near > 0) {
+        const double bottom = cell.bottom(), high = 6 * scale;
+        ImGui::GetWindowDrawList()->AddRectFilled(point(cell.x, bottom - high),
+                                                  point(cell.x + near * cell.width, bottom), paint(kBlue));
+    }
+    if (hit && !holds) stops.stop(now, "the stop button of a view");
     ImGui::End();
 }
 

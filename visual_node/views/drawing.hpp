@@ -10,6 +10,7 @@
 #include <span>
 
 #include "visual_node/views/commands.hpp"
+#include "visual_node/views/stop_control.hpp"
 #include "visual_node/views/text_line.hpp"
 #include "visual_node/views/view_layout.hpp"
 #include "visual_node/window/image.hpp"
@@ -68,7 +69,10 @@ std::optional<Command> draw_button_row(std::span<const Key> keys, std::initializ
 // Slider of the one-way delay; true when it was moved, with the new value.
 bool draw_delay_slider(const Rect& cell, double& delay_s);
 
-// Every key with its help, in a window over the others.
-void draw_key_help(std::span<const Key> keys, double scale);
+// Every key with its help, within `area`.
+void draw_key_help(std::span<const Key> keys, const Rect& area, double scale);
+
+// A strip for the emergency stop: its button, or, while a stop holds, the one that releases it.
+void draw_stop_strip(StopControl& stops, const Rect& strip, double scale, SessionTime now);
 
 }  // namespace thimble

@@ -5,6 +5,7 @@
 
 #include "visual_node/views/experimenter_model.hpp"
 #include "visual_node/views/panels.hpp"
+#include "visual_node/views/stop_control.hpp"
 #include "visual_node/views/view_layout.hpp"
 #include "visual_node/window/overlay.hpp"
 
@@ -13,8 +14,9 @@ namespace thimble {
 class ExperimenterPanels final : public Overlay {
   public:
     // `instance`: random per program start. The channels outlive the panels.
-    ExperimenterPanels(std::uint64_t instance, const SessionLink::Channels& channels)
-        : model_(instance, channels) {}
+    ExperimenterPanels(std::uint64_t instance, const SessionLink::Channels& channels,
+                       StopControl* stops = nullptr)
+        : model_(instance, channels), stops_(stops) {}
 
     void tick(SessionTime now) override { model_.update(now); }
     void draw(SessionTime now, const OverlayFrame& frame) override;
@@ -24,6 +26,7 @@ class ExperimenterPanels final : public Overlay {
     void draw_fault(const Rect& rect, double scale) const;
 
     ExperimenterModel model_;
+    StopControl* stops_;  // null: no button
     std::array<PlotPanel, kPlotCount> plots_;
 };
 

@@ -15,7 +15,6 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "common/stop_bus.hpp"
 #include "common/version.hpp"
 #include "visual_node/views/experimenter_panels.hpp"
 #include "visual_node/window/gl_window.hpp"
@@ -58,19 +57,14 @@ nlohmann::ordered_json percentiles(const Histogram& cost) {
             {"worst_ms", ms(cost.worst())}};
 }
 
-OutboundFlow make_stop_flow(Sockets& sockets) {
-    const StopOutlets out = stop_outlets(sockets);
-    return {Role::kExperimenter, system_entropy(), {out[0], out[1], out[2], out[3], out[4], out[5]}};
-}
-
 class ExperimenterView {
   public:
     explicit ExperimenterView(const ViewOptions& options)
         : options_(options),
           sockets_(observed_network(options.config, static_cast<std::uint16_t>(options.base_port))),
           link_(sockets_.between(Port::kExperimenterMonitor, Port::kSessionOrders)),
-          stop_flow_(make_stop_flow(sockets_)),
-          panels_(system_entropy(), {link_, link_}),
+          stops_(system_entropy(), stop_outlets(sockets_)),
+          panels_(system_entropy(), {link_, link_}, &stops_),
           window_(window_settings(options)),
           gui_(window_),
           period_(from_seconds(1 / window_.refresh_Hz())) {}
@@ -92,15 +86,11 @@ class ExperimenterView {
     void finish();
     void hear_stop_key(SessionTime now, std::span<const WindowEvent> events);
     void stop_everything(SessionTime now, std::string_view words);
-    void say_stop(SessionTime now);
 
     ViewOptions options_;
     Sockets sockets_;
     Channel* link_;
-    OutboundFlow stop_flow_;
-    StopOrder stop_;
-    int stops_left_ = 0;  // to be said
-    SessionTime next_stop_{};
+    StopControl stops_;
     unsigned stops_heard_ = 0;  // of emergency_stops()
     bool complained_ = false;   // of another lab key
     ExperimenterPanels panels_;
@@ -125,21 +115,10 @@ void ExperimenterView::hear_stop_key(SessionTime now, std::span<const WindowEven
         stops_heard_ = emergency_stops();
         stop_everything(now, "SIGQUIT at the experimenter's view");
     }
-    say_stop(now);
+    stops_.tick(now);
 }
 
-void ExperimenterView::stop_everything(SessionTime now, std::string_view words) {
-    stop_ = StopOrder(system_entropy(), StopKind::kStop, EndReason::kEmergencyStop, words);
-    stops_left_ = kReleaseTimes;
-    next_stop_ = now;
-}
-
-void ExperimenterView::say_stop(SessionTime now) {
-    if (stops_left_ == 0 || now < next_stop_) return;
-    --stops_left_;
-    next_stop_ = now + kStopRepeat;
-    stop_flow_.send(now, 0, stop_);
-}
+void ExperimenterView::stop_everything(SessionTime now, std::string_view words) { stops_.stop(now, words); }
 
 // Without swapping: what a compositor adds is neither's cost.
 void ExperimenterView::draw_empty() {

@@ -1,6 +1,7 @@
 #include "visual_node/views/player_model.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace thimble {
 namespace {
@@ -108,21 +109,35 @@ void PlayerModel::press(SessionTime now, Command command) {
     }
 }
 
-const char* PlayerModel::hint(SessionTime now) const {
-    if (replaying()) return "A recorded trial. Drag the bar, or press Space.";
+Step PlayerModel::step(SessionTime now) const {
     const Monitor& monitor = link_.monitor();
-    if (!link_.running(now)) return "Choose a modality, or press Space, to start.";
-    if (monitor.needle_held) return "The needle is held: no commands arrive at the tissue.";
-    if (monitor.beeped) return "That was the beep: pull the needle out, then press Space for another go.";
-    const bool at_fixture =
-        monitor.fixture_present && monitor.position_needle_m >= monitor.position_fixture_m;
-    if (at_fixture && monitor.modality == Modality::kHF && link_.delay_s() >= kNoticeableDelay_s) {
-        return "At the fixture, with a late force: does it shake? Now take the delay away.";
+    if (!link_.running(now)) return monitor.paused ? Step::kPaused : Step::kStart;
+    if (monitor.needle_held) return Step::kNeedleHeld;
+    if (hand_holds_ == false) return Step::kTake;
+    if (monitor.beeped) return Step::kWithdraw;
+    if (monitor.fixture_present && monitor.position_needle_m >= monitor.position_fixture_m) {
+        const bool late = monitor.modality == Modality::kHF && link_.delay_s() >= kNoticeableDelay_s;
+        return late ? Step::kShaking : Step::kStay;
     }
-    if (at_fixture) return "At the fixture: stay there until the beep.";
-    if (monitor.phase == TissuePhase::kPenetrated) return "Inside. Go on until something stops you.";
-    if (monitor.phase == TissuePhase::kContact) return "Press on: the tissue gives way and then breaks.";
-    return "Move the needle into the tissue.";
+    if (monitor.phase == TissuePhase::kPenetrated) return Step::kInside;
+    return monitor.phase == TissuePhase::kContact ? Step::kPress : Step::kApproach;
+}
+
+const char* PlayerModel::hint() const {
+    static constexpr std::array kHints{
+        "Choose on the right how to feel the force, or press Space.",
+        "Paused. Press P to go on, or choose on the right how to feel the force.",
+        "The needle is held: no commands arrive at the tissue.",
+        "Click in this picture. Then move the mouse down, towards you.",
+        "Move the mouse down: the needle goes to the skin. Esc lets go.",
+        "Push on: the skin gives way, and then it tears.",
+        "Inside. Push on until something stops you.",
+        "Something stops you. Stay there until the beep, and push no harder.",
+        "The force comes late: does it shake? Now choose No delay on the right.",
+        "That was the beep. Move the mouse up to pull the needle out.",
+    };
+    if (replaying()) return "A recorded trial. Drag the bar on the right, or press Space.";
+    return kHints.at(static_cast<std::size_t>(step_.shown()));
 }
 
 }  // namespace thimble

@@ -39,6 +39,40 @@ struct ScrubScale {
     double time_s(double x) const;  // taken to the nearest of the trial
 };
 
+// What the player should do next. From kApproach on in the order of a trial.
+enum class Step : std::uint8_t {
+    kStart,
+    kPaused,
+    kNeedleHeld,
+    kTake,
+    kApproach,
+    kPress,
+    kInside,
+    kStay,
+    kShaking,
+    kWithdraw,
+};
+
+// A later step shows at once, an earlier one of the same trial after it has held for kSettle. So an oscillation, which passes the
+// fixture many times a second, does not make the hint flip.
+class SteadyStep {
+  public:
+    static constexpr Duration kSettle = std::chrono::milliseconds{1200};
+
+    void update(SessionTime now, Step step) {
+        const bool back = step >= Step::kApproach && step < shown_;
+        if (!back) shown_ = step;
+        if (!back || step > newest_back_) back_since_ = now;
+        newest_back_ = back ? step : Step::kStart;
+        if (back && now - back_since_ >= kSettle) shown_ = step;
+    }
+    Step shown() const { return shown_; }
+
+  private:
+    Step shown_ = Step::kStart, newest_back_ = Step::kStart;
+    SessionTime back_since_{};
+};
+
 // A modality starts as soon as its button is pressed, because a player wants to feel it and not to plan it. Where a recorded trial
 // is shown instead, its keys are those of ReplayModel.
 class PlayerModel {
@@ -48,7 +82,10 @@ class PlayerModel {
     PlayerModel(const PlayerModel&) = delete;  // its replay refers to its link
     PlayerModel& operator=(const PlayerModel&) = delete;
 
-    void update(SessionTime now) { link_.update(now); }
+    void update(SessionTime now) {
+        link_.update(now);
+        step_.update(now, step(now));
+    }
     void press(SessionTime now, Command command);
     // Asks the session to end.
     void quit(SessionTime now) { link_.ask(now, OrderKind::kQuit); }
@@ -58,8 +95,10 @@ class PlayerModel {
     // Of the trial that runs or was asked for.
     Modality modality() const;
     bool help() const { return help_; }
-    // The next step, or a warning.
-    const char* hint(SessionTime now) const;
+    // Whether the pointer has the needle; nothing where it never does.
+    void set_hand(std::optional<bool> holds) { hand_holds_ = holds; }
+    // One sentence: what to do next.
+    const char* hint() const;
 
     // A recorded trial is shown: then the keys are replay_keys().
     bool replaying() const { return link_.receiver().replay() != nullptr; }
@@ -69,8 +108,12 @@ class PlayerModel {
   private:
     void start(SessionTime now, Modality modality) { link_.ask(now, OrderKind::kStart, modality); }
 
+    Step step(SessionTime now) const;
+
     SessionLink link_;
     ReplayModel replay_{link_};
+    SteadyStep step_;
+    std::optional<bool> hand_holds_;
     bool help_ = false;
 };
 

@@ -11,7 +11,7 @@ namespace thimble {
 namespace {
 
 // Pixels at content scale 1.
-constexpr double kPanelWidth = 300, kRow = 30, kPlotHeight = 120;
+constexpr double kPanelWidth = 330, kRow = 30, kPlotHeight = 110;
 
 void text_in(Colour colour, std::string_view text) {
     ImGui::PushStyleColor(ImGuiCol_Text, gui_colour(colour));
@@ -36,20 +36,19 @@ void PlayerPanel::draw_delay(double scale, SessionTime now) {
     double delay_s = model_.link().delay_s();
     if (draw_delay_slider(row_here(kRow * scale), delay_s)) model_.set_delay(now, delay_s);
     draw_row({Command::kDelayDown, Command::kDelayUp}, scale, now);
-    draw_row({Command::kNetwork0, Command::kNetwork1, Command::kNetwork2}, scale, now);
-    draw_row({Command::kNetwork3, Command::kNetwork4, Command::kNetwork5}, scale, now);
+    draw_row({Command::kNetwork0, Command::kNetwork1}, scale, now);
+    draw_row({Command::kNetwork2, Command::kNetwork3}, scale, now);
+    draw_row({Command::kNetwork4, Command::kNetwork5}, scale, now);
 }
 
 void PlayerPanel::draw_modalities(double scale, SessionTime now) {
+    const Command chosen = command_of(model_.modality());
     for (const Modality modality : kModalities) {
         const Command command = command_of(modality);
-        const Rect cell = row_here((kRow - 4) * scale);
-        if (draw_button(player_keys(), command, cell, modality == model_.modality()))
-            model_.press(now, command);
-        ImGui::SetWindowFontScale(0.85F);
-        text_in(kWhite, key_of(player_keys(), command).help);
-        ImGui::SetWindowFontScale(1);
+        const Rect cell = row_here((kRow - 2) * scale);
+        if (draw_button(player_keys(), command, cell, command == chosen)) model_.press(now, command);
     }
+    text_in(kWhite, key_of(player_keys(), chosen).help);
     draw_row({Command::kStart, Command::kPause, Command::kEndTrial}, scale, now);
 }
 
@@ -59,42 +58,71 @@ void PlayerPanel::draw_plot(double scale, SessionTime now) {
     ImGui::Dummy(extent(rect));
 }
 
-void PlayerPanel::draw(SessionTime now, const OverlayFrame& frame) {
-    for (const Command command : typed_commands(model_.keys())) model_.press(now, command);
-    const double scale = frame.window.content_scale();
-    const Rect rect = place(frame.window.width(), frame.window.height(), scale);
-    begin_fixed("player", rect, Ground::kFilled);
-    // Hint and alarm first: they are what is read without looking for it.
+// What is wrong, if anything.
+void PlayerPanel::draw_words(SessionTime now) const {
     const TextLine alarm = model_.link().alarm(now);
-    const bool alarmed = !alarm.view().empty();
-    text_in(alarmed ? kVermillion : kYellow, alarmed ? alarm.c_str() : model_.hint(now));
+    if (!alarm.view().empty()) text_in(kVermillion, alarm.view());
     const std::string_view fault = model_.link().receiver().fault();
     if (!fault.empty()) text_in(kVermillion, fault);
+}
+
+void PlayerPanel::draw_rows(double scale, SessionTime now) {
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, point(2 * scale, 2 * scale));
     if (model_.replaying()) {
         draw_replay(model_.replay(), model_.link().monitor(), scale, now);
         draw_plot(scale, now);
     } else {
-        draw_delay(scale, now);
         draw_modalities(scale, now);
+        draw_delay(scale, now);
         draw_plot(scale, now);
-        ImGui::Text("round trip: %s", round_trip_text(model_.link().monitor().round_trip_s).c_str());
+        ImGui::Text("there and back: %s", round_trip_text(model_.link().monitor().round_trip_s).c_str());
     }
-    if (draw_button(model_.keys(), Command::kHelp, row_here((kRow - 4) * scale), model_.help())) {
-        model_.press(now, Command::kHelp);
-    }
+    const Rect row = row_here((kRow - 4) * scale);
+    if (draw_button(model_.keys(), Command::kHelp, row, model_.help())) model_.press(now, Command::kHelp);
     ImGui::PopStyleVar();
+}
+
+// At the scene's left, where the needle never is.
+void PlayerPanel::draw_hint(const Rect& scene, double scale) const {
+    constexpr float kLarger = 1.25F;
+    const double margin = 10 * scale, width = 0.36 * scene.width;
+    const Rect box{scene.x + 20 * scale, scene.y + 44 * scale, width, 0};
+    ImFont* const font = ImGui::GetFont();
+    const float size = kLarger * ImGui::GetFontSize(), wrap = static_cast<float>(width - 2 * margin);
+    const char* const text = model_.hint();
+    const ImVec2 extent = font->CalcTextSizeA(size, FLT_MAX, wrap, text);
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    list.AddRectFilled(corner(box), point(box.right(), box.y + static_cast<double>(extent.y) + 2 * margin),
+                       paint(kBackground, 0.8), static_cast<float>(margin));
+    list.AddText(font, size, point(box.x + margin, box.y + margin), paint(kYellow), text, nullptr, wrap);
+}
+
+void PlayerPanel::draw(SessionTime now, const OverlayFrame& frame) {
+    for (const Command command : typed_commands(model_.keys())) model_.press(now, command);
+    model_.set_hand(frame.hand_holds);
+    const double scale = frame.window.content_scale(), height = frame.window.height();
+    const Rect panel = place(frame.window.width(), height, scale);
+    const Rect scene{0, 0, panel.x, height};
+    const double strip = stops_ != nullptr && !model_.replaying() ? kStopHeight * scale : 0;
+    draw_hint(scene, scale);
+    begin_fixed("player", {panel.x, panel.y, panel.width, panel.height - strip}, Ground::kFilled);
+    draw_words(now);
+    draw_rows(scale, now);
     ImGui::End();
-    if (model_.help()) draw_key_help(model_.keys(), scale);
+    if (strip > 0)
+        draw_stop_strip(*stops_, {panel.x, panel.bottom() - strip, panel.width, strip}, scale, now);
+    if (model_.help()) draw_key_help(model_.keys(), scene, scale);
 }
 
 PlayerOverlay::PlayerOverlay(std::uint64_t instance, const NetworkSettings& network)
     : sockets_(network),
       link_(sockets_.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)),
-      panel_(instance, {link_, link_}) {}
+      stops_(instance + 1, stop_outlets(sockets_)),
+      panel_(instance, {link_, link_}, &stops_) {}
 
 void PlayerOverlay::tick(SessionTime now) {
     sockets_.tick(now);
+    stops_.tick(now);
     panel_.tick(now);
 }
 

@@ -1,6 +1,6 @@
 // The player's panel over the scene of `thimble play`. It has delay and network, each modality with what to expect of it, the last
-// seconds, the measured round trip, and a hint of what to do. Of a recorded trial it has the controls of draw_replay(). It never draws
-// the fixture.
+// seconds, the measured round trip, and the emergency stop, which nothing covers. Of a recorded trial it has the controls of
+// draw_replay(). The next step stands in the scene. The panel never draws the fixture.
 #pragma once
 
 #include <initializer_list>
@@ -8,6 +8,7 @@
 #include "common/runtime/sockets.hpp"
 #include "visual_node/views/panels.hpp"
 #include "visual_node/views/player_model.hpp"
+#include "visual_node/views/stop_control.hpp"
 #include "visual_node/window/overlay.hpp"
 
 namespace thimble {
@@ -16,7 +17,8 @@ class PlayerPanel final : public Overlay {
   public:
     // `instance`: random per program start. Monitors come in at Port::kPlayerMonitor, orders go to
     // Port::kSessionPlayerOrders; the channels outlive the panel and are nobody else's.
-    PlayerPanel(std::uint64_t instance, const SessionLink::Channels& channels) : model_(instance, channels) {}
+    PlayerPanel(std::uint64_t instance, const SessionLink::Channels& channels, StopControl* stops = nullptr)
+        : model_(instance, channels), stops_(stops) {}
 
     void tick(SessionTime now) override { model_.update(now); }
     void draw(SessionTime now, const OverlayFrame& frame) override;
@@ -32,9 +34,13 @@ class PlayerPanel final : public Overlay {
     void draw_row(std::initializer_list<Command> commands, double scale, SessionTime now);
     void draw_delay(double scale, SessionTime now);
     void draw_modalities(double scale, SessionTime now);
+    void draw_words(SessionTime now) const;
+    void draw_rows(double scale, SessionTime now);
+    void draw_hint(const Rect& scene, double scale) const;
     void draw_plot(double scale, SessionTime now);
 
     PlayerModel model_;
+    StopControl* stops_;  // null: no button
     PlotPanel plot_;
 };
 
@@ -53,6 +59,7 @@ class PlayerOverlay final : public Overlay {
   private:
     Sockets sockets_;
     Channel* link_;
+    StopControl stops_;
     PlayerPanel panel_;
 };
 

@@ -15,6 +15,7 @@ namespace thimble {
 // At content scale 1.
 inline constexpr double kBannerHeight = 26, kSideViewHeight = 132, kColumnWidth = 330, kReadingsHeight = 316;
 
+inline constexpr double kStopHeight = 56;
 inline constexpr double kTitleHeight = 16, kNumberWidth = 44, kMargin = 6;
 
 // Positions span most: an oscillation of millimetres in a way of 12 cm.
@@ -32,6 +33,7 @@ struct ExperimenterLayout {
     std::array<Rect, kPlotCount> plots;  // positions, forces, delays, energy
     Rect readings;
     Rect controls;
+    Rect stop;  // beneath the controls
 };
 
 // `scale`: the monitor's content scale. A small window cuts the plots. Readings and controls scroll.
@@ -44,7 +46,9 @@ inline ExperimenterLayout experimenter_layout(double width, double height, doubl
     layout.banner = {0, 0, width, top};
     layout.side_view = {0, top, left, side};
     layout.readings = {left, top, column, readings};
-    layout.controls = {left, top + readings, column, height - top - readings};
+    const double stop = std::min(kStopHeight * scale, (height - top - readings) / 3);
+    layout.controls = {left, top + readings, column, height - top - readings - stop};
+    layout.stop = {left, layout.controls.bottom(), column, stop};
     double y = top + side;
     for (std::size_t i = 0; i < kPlotCount; ++i) {
         layout.plots[i] = {0, y, left, (height - top - side) * kPlotShares[i]};

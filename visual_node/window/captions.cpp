@@ -30,10 +30,10 @@ std::string break_text(const Page& page) {
 
 ImU32 to_ink(const Rgb& colour, int alpha = 255) { return IM_COL32(colour[0], colour[1], colour[2], alpha); }
 
-void draw_centred(ImFont* font, const std::string& text, float y, ImU32 ink, float width) {
+void draw_centred(ImDrawList& list, ImFont* font, const std::string& text, float y, ImU32 ink, float width) {
     const ImVec2 size = font->CalcTextSizeA(font->FontSize, FLT_MAX, 0, text.c_str());
     const float x = (width - size.x) / 2;
-    ImGui::GetForegroundDrawList()->AddText(font, font->FontSize, ImVec2(x, y), ink, text.c_str());
+    list.AddText(font, font->FontSize, ImVec2(x, y), ink, text.c_str());
 }
 
 // How much of a line fits into the width, at least a character; the blank it is broken at belongs to none.
@@ -46,14 +46,14 @@ std::size_t fitting(const ImFont& font, const std::string& line, float width) {
 }
 
 // Line by line, each in the middle; returns where the next would stand.
-float draw_lines(ImFont* font, const std::string& text, float y, ImU32 ink) {
-    const float width = ImGui::GetIO().DisplaySize.x;
+float draw_lines(ImFont* font, const std::string& text, float y, ImU32 ink, float width) {
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
     for (std::size_t begin = 0; begin <= text.size();) {
         const std::size_t end = std::min(text.find('\n', begin), text.size());
         std::string line = text.substr(begin, end - begin);
         do {
             const std::size_t length = line.empty() ? 0 : fitting(*font, line, 0.95F * width);
-            draw_centred(font, line.substr(0, length), y, ink, width);
+            draw_centred(list, font, line.substr(0, length), y, ink, width);
             y += 1.4F * font->FontSize;
             line.erase(0, std::max(length, std::min(line.find_first_not_of(' ', length), line.size())));
         } while (!line.empty());
@@ -193,11 +193,11 @@ void draw_headline(const std::string& text, const CutawayPlan& plan) {
     draw_label(*ImGui::GetBackgroundDrawList(), label);
 }
 
-void draw_page(const GuiLayer& gui, const PageText& text) {
-    const ImVec2 size = ImGui::GetIO().DisplaySize;
-    ImGui::GetForegroundDrawList()->AddRectFilled(ImVec2(0, 0), size, to_ink(colours::kBackground));
-    const float y = draw_lines(gui.large_font(), text.title, 0.3F * size.y, to_ink(colours::kNeedle));
-    draw_lines(ImGui::GetFont(), text.body, y + ImGui::GetFontSize(), to_ink(colours::kInk));
+void draw_page(const GuiLayer& gui, const PageText& text, double scene_width) {
+    const ImVec2 size{static_cast<float>(scene_width), ImGui::GetIO().DisplaySize.y};
+    ImGui::GetBackgroundDrawList()->AddRectFilled(ImVec2(0, 0), size, to_ink(colours::kBackground));
+    const float y = draw_lines(gui.large_font(), text.title, 0.3F * size.y, to_ink(colours::kNeedle), size.x);
+    draw_lines(ImGui::GetFont(), text.body, y + ImGui::GetFontSize(), to_ink(colours::kInk), size.x);
 }
 
 void draw_key_help(const std::string& keys) {
@@ -230,8 +230,8 @@ void draw_times(const FrameTimes& times) {
 
 void draw_notice(const std::string& notice, double scene_width) {
     if (notice.empty()) return;
-    draw_centred(ImGui::GetFont(), notice, 0.5F * ImGui::GetFontSize(), to_ink(colours::kInk),
-                 static_cast<float>(scene_width));
+    draw_centred(*ImGui::GetForegroundDrawList(), ImGui::GetFont(), notice, 0.5F * ImGui::GetFontSize(),
+                 to_ink(colours::kInk), static_cast<float>(scene_width));
 }
 
 }  // namespace thimble

@@ -100,6 +100,7 @@ struct GlWindow::Impl {
     std::vector<WindowEvent> events;
     int width = 0, height = 0;
     double content_scale = 1;
+    int scale_from_width = 0, scale_from_height = 0;
     bool fixed_scale = false, grabbed = false;
     double pointer_x = 0, pointer_y = 0;
     double pixels_per_unit = 1;  // of window coordinates
@@ -133,9 +134,20 @@ struct GlWindow::Impl {
         glfwGetWindowSize(window, &units, nullptr);
         pixels_per_unit = units > 0 ? static_cast<double>(width) / units : 1;
         if (fixed_scale) return;
+        if (scale_from_width > 0 && scale_from_height > 0) {
+            content_scale = scale_of_size();
+            return;
+        }
         float scale_x = 1, scale_y = 1;
         glfwGetWindowContentScale(window, &scale_x, &scale_y);
         content_scale = std::max(1.0, static_cast<double>(scale_y));
+    }
+
+    // In steps, because each one makes the fonts anew.
+    double scale_of_size() const {
+        const double fit = std::min(static_cast<double>(width) / scale_from_width,
+                                    static_cast<double>(height) / scale_from_height);
+        return std::clamp(std::floor(20 * fit) / 20, 0.5, 8.0);
     }
 
     void listen();
@@ -182,6 +194,8 @@ GlWindow::GlWindow(const WindowSettings& settings) : impl_(std::make_unique<Impl
     start_glfw();
     Impl& impl = *impl_;
     impl.events.reserve(kMaxEvents);
+    impl.scale_from_width = settings.scale_from_width;
+    impl.scale_from_height = settings.scale_from_height;
     impl.fixed_scale = settings.content_scale > 0;
     impl.content_scale = impl.fixed_scale ? settings.content_scale : 1;
     try {

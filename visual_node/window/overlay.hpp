@@ -2,6 +2,8 @@
 // Lives in the thread of the window and may take its time; channels it has are its own.
 #pragma once
 
+#include <optional>
+
 #include <boost/core/noncopyable.hpp>
 
 #include "common/time.hpp"
@@ -15,7 +17,8 @@ class FrameTimes;  // frame_times.hpp: how long each stage from hand to light to
 struct OverlayFrame {
     const GlWindow& window;
     const GuiLayer& gui;
-    const FrameTimes* times;  // null where no scene is drawn
+    const FrameTimes* times;           // null where no scene is drawn
+    std::optional<bool> hand_holds{};  // whether the pointer has the needle; nothing where it never does
 };
 
 class Overlay : boost::noncopyable {

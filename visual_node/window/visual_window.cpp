@@ -18,7 +18,11 @@ namespace {
 WindowSettings window_settings(const VisualSettings& visual, bool player) {
     WindowSettings settings;
     settings.fullscreen = visual.fullscreen;
-    if (player) settings.width = 1100;  // a panel beside a scene as large as the subject's
+    if (!player) return settings;
+    settings.width = 1280;
+    settings.height = 800;
+    settings.scale_from_width = 1150;  // the panel's rows need this
+    settings.scale_from_height = 700;
     return settings;
 }
 

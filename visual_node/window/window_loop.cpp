@@ -37,8 +37,7 @@ WindowLoop::WindowLoop(const Parts& parts, Duration smoothing, bool one_clock)
       gui_(*parts.window, parts.instructions == nullptr ? std::string() : parts.instructions->text()),
       playout_(smoothing),
       times_(one_clock),
-      pace_(parts.window->refresh_Hz()),
-      times_shown_(parts.hand != nullptr && !parts.stays_open) {
+      pace_(parts.window->refresh_Hz()) {
     beeps_.reserve(64);
 }
 
@@ -131,7 +130,7 @@ void WindowLoop::handle_key(const WindowEvent& event) {
             return;
         case GLFW_KEY_SLASH:  // "?" on most keyboards, and F1 where it is elsewhere
         case GLFW_KEY_F1:
-            help_ = !help_;
+            help_ = !help_ && parts_.overlay == nullptr;  // an overlay has a list of its own
             return;
         case GLFW_KEY_F2:
             times_shown_ = !times_shown_;
@@ -247,18 +246,27 @@ void WindowLoop::draw_notices() const {
     if (!text.empty()) draw_headline(text, *painter_.cutaway());
 }
 
+// A view with a panel says there what to do.
+PageText WindowLoop::words_of_page() const {
+    static const Instructions kUnchanged;
+    const Instructions& words = parts_.instructions == nullptr ? kUnchanged : *parts_.instructions;
+    PageText text = page_text(page_, words, parts_.subject_goes_on);
+    if (parts_.overlay != nullptr && !words.of(page_.kind).body) text.body.clear();
+    return text;
+}
+
+void WindowLoop::draw_overlay(SessionTime now) {
+    OverlayFrame frame{*parts_.window, gui_, parts_.display == nullptr ? nullptr : &times_};
+    if (parts_.hand != nullptr) frame.hand_holds = parts_.hand->hand().engaged;
+    parts_.overlay->draw(now, frame);
+}
+
 void WindowLoop::draw_captions(SessionTime now, const std::optional<Scene>& scene) {
     if (scene) painter_.draw_over(*scene);
-    if (parts_.overlay != nullptr) {
-        parts_.overlay->draw(now, {*parts_.window, gui_, parts_.display == nullptr ? nullptr : &times_});
-    }
+    if (page_.kind != PageKind::kNone) draw_page(gui_, words_of_page(), scene_width());
+    if (parts_.overlay != nullptr) draw_overlay(now);
     if (times_shown_ && parts_.display != nullptr) draw_times(times_);
     draw_notices();
-    if (page_.kind != PageKind::kNone) {
-        static const Instructions kUnchanged;
-        const Instructions& words = parts_.instructions == nullptr ? kUnchanged : *parts_.instructions;
-        draw_page(gui_, page_text(page_, words, parts_.subject_goes_on));
-    }
     if (help_) draw_key_help(keys());
 }
 

@@ -10,6 +10,7 @@
 #include "visual_node/instructions.hpp"
 #include "visual_node/visual_settings.hpp"
 #include "visual_node/window/beeper.hpp"
+#include "visual_node/window/captions.hpp"
 #include "visual_node/window/frame_times.hpp"
 #include "visual_node/window/overlay.hpp"
 #include "visual_node/window/playout.hpp"
@@ -75,6 +76,8 @@ class WindowLoop {
     std::optional<Scene> scene_at(SessionTime now);
     void draw_captions(SessionTime now, const std::optional<Scene>& scene);
     void draw_notices() const;
+    void draw_overlay(SessionTime now);
+    PageText words_of_page() const;
     std::string keys() const;
     void save_screenshot(const Image& image) const;
 

@@ -64,7 +64,7 @@ TEST(Commands, OfferedNetworksAreProfilesAndEachSaysWhatItIsCalled) {
         EXPECT_TRUE(NetworkName::of(offered.profile)) << offered.profile;
         const auto command = static_cast<Command>(static_cast<std::size_t>(Command::kNetwork0) + i);
         EXPECT_STREQ(key_of(experimenter_keys(), command).button, offered.profile);
-        EXPECT_STREQ(key_of(player_keys(), command).button, offered.profile);
+        EXPECT_EQ(network_of(key_of(player_keys(), command).command)->profile, offered.profile);
     }
 }
 

@@ -1,5 +1,6 @@
 #include "visual_node/views/player_model.hpp"
 
+#include <cmath>
 #include <functional>
 #include <set>
 
@@ -31,7 +32,7 @@ TEST(PlayerModel, HintsFollowTheTrial) {
     PlayerBench bench;
     const auto hint = [&] {
         bench.pass(4);
-        return std::string(bench.model.hint(bench.now));
+        return std::string(bench.model.hint());
     };
     Monitor& monitor = bench.session.monitor;
     const std::vector<std::function<void()>> steps{
@@ -51,6 +52,30 @@ TEST(PlayerModel, HintsFollowTheTrial) {
         EXPECT_EQ(hint().find("does it shake") != std::string::npos, shakes);
     }
     EXPECT_EQ(hints.size(), steps.size());
+}
+
+TEST(PlayerModel, TheHintDoesNotFlipWhereTheNeedleOscillates) {
+    PlayerBench bench;
+    Monitor& monitor = bench.session.monitor;
+    monitor.state = NodeState::kRunning;
+    monitor.phase = TissuePhase::kPenetrated;
+    monitor.position_fixture_m = 0.12;
+    monitor.network_delay_s = 0.05;
+    bench.model.set_hand(false);
+    bench.pass(4);
+    EXPECT_NE(std::string_view(bench.model.hint()).find("Click"), std::string_view::npos);
+    bench.model.set_hand(true);
+    std::set<std::string_view> hints;
+    for (int ms = 0; ms < 6000; ms += 4) {  // at 1.4 and at 6 Hz
+        const double half_ms = ms < 3000 ? 360 : 83;
+        monitor.position_needle_m = std::fmod(ms, 2 * half_ms) < half_ms ? 0.124 : 0.073;
+        bench.pass(4);
+        hints.insert(bench.model.hint());
+    }
+    EXPECT_EQ(hints.size(), 1U);
+    monitor.position_needle_m = 0.09;  // pulled back, and held there
+    bench.pass(1300);
+    EXPECT_NE(std::string_view(bench.model.hint()).find("Inside"), std::string_view::npos);
 }
 
 TEST(PlayerModel, TellsWhatToExpectOfEachModality) {

@@ -1,0 +1,99 @@
+// The emergency stop at a view: says it straight to every program, knows whether one holds, and releases it. No clock: `now` is the
+// caller's.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "common/stop_inquiry.hpp"
+
+namespace thimble {
+
+class StopControl : boost::noncopyable {
+  public:
+    // A press that lasts so long is meant: a released stop lets forces come back.
+    static constexpr Duration kHeldPress = std::chrono::seconds{1};
+
+    // `instance`: random per start. `at`: where the programs hear stops; outlives this.
+    StopControl(std::uint64_t instance, const StopOutlets& at)
+        : instance_(instance),
+          at_(at),
+          out_(Role::kExperimenter, instance, {at[0], at[1], at[2], at[3], at[4], at[5]}) {}
+
+    // The session may be what hangs, so every program is told.
+    void stop(SessionTime now, std::string_view words) {
+        constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15U;  // odd: no number comes twice
+        order_ = StopOrder(instance_ + kSpread * ++stops_, StopKind::kStop, EndReason::kEmergencyStop, words);
+        left_ = kReleaseTimes;
+        release_.reset();
+        next_ = now;
+        tick(now);
+    }
+    void release(SessionTime now) {
+        if (release_) return;
+        ++instance_;  // a flow of its own
+        release_.emplace(instance_, at_);
+        rounds_ = 0;
+        next_ = now;
+    }
+
+    // While `pressed`, the release comes nearer; returns how near, 0 to 1.
+    double press(SessionTime now, bool pressed) {
+        if (!pressed || release_) since_ = kNever;
+        if (!pressed) return 0;
+        if (release_) return 1;
+        if (since_ == kNever) since_ = now;
+        if (now - since_ >= kHeldPress) release(now);
+        return std::min(1.0, to_seconds(now - since_) / to_seconds(kHeldPress));
+    }
+
+    void tick(SessionTime now) {
+        if (now < next_) return;
+        next_ = now + kStopRepeat;
+        if (release_) return go_on_releasing(now);
+        if (left_ > 0) {
+            --left_;
+            out_.send(now, 0, order_);
+        }
+        look(now);
+    }
+
+    // As far as programs answer.
+    bool holds() const { return holds_; }
+
+  private:
+    static constexpr Duration kLook = std::chrono::milliseconds{500};
+
+    void go_on_releasing(SessionTime now) {
+        release_->round(now);
+        if (++rounds_ < StopRelease::kRounds) return;
+        release_.reset();
+        inquiry_.reset();
+        holds_ = false;
+        next_look_ = now;
+    }
+
+    // An inquiry remembers what it has heard, so each look is a new one.
+    void look(SessionTime now) {
+        if (now >= next_look_) {
+            if (inquiry_) holds_ = !inquiry_->held().empty();
+            inquiry_.emplace(out_, at_);
+            inquiry_->ask(now);
+            next_look_ = now + kLook;
+        }
+        inquiry_->hear(now);
+        if (!inquiry_->held().empty()) holds_ = true;
+    }
+
+    std::uint64_t instance_, stops_ = 0;
+    StopOutlets at_;
+    OutboundFlow out_;
+    StopOrder order_;
+    std::optional<StopInquiry> inquiry_;
+    std::optional<StopRelease> release_;
+    SessionTime next_{}, next_look_{}, since_ = kNever;
+    int left_ = 0, rounds_ = 0;
+    bool holds_ = false;
+};
+
+}  // namespace thimble
