@@ -117,14 +117,14 @@ TEST_F(PlayerPanelTest, WithSocketsOfItsOwnItAsksARealSession) {
         const auto start = session.last(OrderKind::kStart);
         return start && start->modality == Modality::kVF;
     }));
-    // The slider lies below the hint; wherever its row is, a click in its middle asks for about half of 500 ms.
+    // The slider lies below the modalities; wherever its row is, a click in its middle asks for about half of 500 ms.
     const Rect panel = PlayerPanel::place(window.width(), window.height(), 1);
     const int x = static_cast<int>(panel.x + panel.width / 2);
     const auto half = [&] {
         const auto delay = session.last(OrderKind::kDelay);
         return delay && std::abs(delay->value - 0.25) < 0.03;
     };
-    for (int y = 20; y < 90 && !half(); y += 8) {
+    for (int y = 230; y < 330 && !half(); y += 8) {
         ASSERT_TRUE(screen_->hand({"mousemove", std::to_string(x), std::to_string(y), "mousedown", "1"}));
         for (int i = 0; i < 4; ++i) frame();
         ASSERT_TRUE(screen_->hand({"mouseup", "1"}));

@@ -161,7 +161,9 @@ void draw_key_help(std::span<const Key> keys, const Rect& area, double scale) {
 }
 
 void draw_stop_strip(StopControl& stops, const Rect& strip, double scale, SessionTime now) {
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});  // no scroll bar
     begin_fixed("stop", strip, Ground::kFilled);
+    ImGui::PopStyleVar();
     const bool holds = stops.holds();
     const Colour colour = holds ? kYellow : kVermillion;
     const Rect cell{strip.x + 6 * scale, strip.y + 6 * scale, strip.width - 12 * scale,

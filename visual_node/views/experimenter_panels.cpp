@@ -101,10 +101,8 @@ void ExperimenterPanels::draw(SessionTime now, const OverlayFrame& frame) {
     draw_controls(layout.controls, scale, model_, now);
     draw_question(scale, model_, now);
     if (stops_ != nullptr) draw_stop_strip(*stops_, layout.stop, scale, now);
-    const double keys_width = layout.controls.x;
-    if (model_.help())
-        draw_key_help(experimenter_keys(),
-                      {0, 0, keys_width, layout.banner.height + layout.controls.bottom()}, scale);
+    const Rect keys{0, 0, layout.banner.width, layout.stop.y};
+    if (model_.help()) draw_key_help(experimenter_keys(), keys, scale);
 }
 
 void draw_controls(const Rect& rect, double scale, ExperimenterModel& model, SessionTime now) {

@@ -11,7 +11,7 @@ namespace thimble {
 namespace {
 
 // Pixels at content scale 1.
-constexpr double kPanelWidth = 330, kRow = 30, kPlotHeight = 110;
+constexpr double kPanelWidth = 330, kRow = 30, kPlotHeight = 90;
 
 void text_in(Colour colour, std::string_view text) {
     ImGui::PushStyleColor(ImGuiCol_Text, gui_colour(colour));
@@ -33,6 +33,7 @@ void PlayerPanel::draw_row(std::initializer_list<Command> commands, double scale
 }
 
 void PlayerPanel::draw_delay(double scale, SessionTime now) {
+    text_in(kSkyBlue, "How far away is the needle?");
     double delay_s = model_.link().delay_s();
     if (draw_delay_slider(row_here(kRow * scale), delay_s)) model_.set_delay(now, delay_s);
     draw_row({Command::kDelayDown, Command::kDelayUp}, scale, now);
@@ -43,6 +44,7 @@ void PlayerPanel::draw_delay(double scale, SessionTime now) {
 
 void PlayerPanel::draw_modalities(double scale, SessionTime now) {
     const Command chosen = command_of(model_.modality());
+    text_in(kSkyBlue, "How do you feel the force?");
     for (const Modality modality : kModalities) {
         const Command command = command_of(modality);
         const Rect cell = row_here((kRow - 2) * scale);
@@ -53,7 +55,9 @@ void PlayerPanel::draw_modalities(double scale, SessionTime now) {
 }
 
 void PlayerPanel::draw_plot(double scale, SessionTime now) {
-    const Rect rect = row_here(kPlotHeight * scale);
+    // What is left over two rows of text beneath.
+    const double left = static_cast<double>(ImGui::GetContentRegionAvail().y) - 2.2 * kRow * scale;
+    const Rect rect = row_here(std::max(kPlotHeight * scale, left));
     plot_.draw(*ImGui::GetWindowDrawList(), rect, scale, player_plot(), model_.link().history(), now);
     ImGui::Dummy(extent(rect));
 }
@@ -86,10 +90,13 @@ void PlayerPanel::draw_rows(double scale, SessionTime now) {
 void PlayerPanel::draw_hint(const Rect& scene, double scale) const {
     constexpr float kLarger = 1.25F;
     const double margin = 10 * scale, width = 0.36 * scene.width;
-    const Rect box{scene.x + 20 * scale, scene.y + 44 * scale, width, 0};
+    const Rect box{scene.x + 20 * scale, scene.y + 64 * scale, width, 0};
     ImFont* const font = ImGui::GetFont();
     const float size = kLarger * ImGui::GetFontSize(), wrap = static_cast<float>(width - 2 * margin);
-    const char* const text = model_.hint();
+    const bool stopped = stops_ != nullptr && stops_->holds();
+    const char* const text =
+        stopped ? "Everything is stopped. To go on, hold the yellow button at the lower right for 1 s."
+                : model_.hint();
     const ImVec2 extent = font->CalcTextSizeA(size, FLT_MAX, wrap, text);
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.AddRectFilled(corner(box), point(box.right(), box.y + static_cast<double>(extent.y) + 2 * margin),

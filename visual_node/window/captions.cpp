@@ -123,16 +123,17 @@ void draw_fingertip(ImDrawList& list, const Picture::Fingertip& finger) {
     draw_ellipse(list, nail_middle, 0.66F * r, 0.72F * r, to_ink(nail));
 }
 
-// On a soft dark ground, so that it can be read over each layer.
-void draw_label(ImDrawList& list, const CutawayLabel& label) {
-    const ImVec2 size = ImGui::CalcTextSize(label.text.c_str());
+// On a soft dark ground, so that it can be read over each layer. Lines break at `width`; 0: nowhere.
+void draw_label(ImDrawList& list, const CutawayLabel& label, float width = 0) {
+    const char* const text = label.text.c_str();
+    const ImVec2 size = ImGui::CalcTextSize(text, nullptr, false, width > 0 ? width : -1);
     ImVec2 corner = place(label.at.x, label.at.y);
+    const float line = ImGui::GetFontSize(), margin = 0.25F * line;
     corner.x = std::floor(label.ends_there ? corner.x - size.x : corner.x);
-    corner.y = std::floor(corner.y - size.y / 2);
-    const float margin = 0.25F * size.y;
+    corner.y = std::floor(corner.y - line / 2);
     list.AddRectFilled({corner.x - margin, corner.y}, {corner.x + size.x + margin, corner.y + size.y},
                        IM_COL32(16, 17, 20, 150), margin);
-    list.AddText(corner, to_ink(label.colour), label.text.c_str());
+    list.AddText(ImGui::GetFont(), line, corner, to_ink(label.colour), text, nullptr, width);
 }
 
 }  // namespace
@@ -190,12 +191,13 @@ void draw_over_cutaway(const Scene& scene, const CutawayPlan& plan) {
 
 void draw_headline(const std::string& text, const CutawayPlan& plan) {
     const CutawayLabel label{{plan.area.x + 22 * plan.unit, plan.area.y + 24 * plan.unit}, text, kWhite};
-    draw_label(*ImGui::GetBackgroundDrawList(), label);
+    draw_label(*ImGui::GetBackgroundDrawList(), label, static_cast<float>(0.36 * plan.area.width));
 }
 
-void draw_page(const GuiLayer& gui, const PageText& text, double scene_width) {
+void draw_page(const GuiLayer& gui, const PageText& text, double scene_width, double opacity) {
     const ImVec2 size{static_cast<float>(scene_width), ImGui::GetIO().DisplaySize.y};
-    ImGui::GetBackgroundDrawList()->AddRectFilled(ImVec2(0, 0), size, to_ink(colours::kBackground));
+    ImGui::GetBackgroundDrawList()->AddRectFilled(
+        ImVec2(0, 0), size, to_ink(colours::kBackground, static_cast<int>(std::lround(255 * opacity))));
     const float y = draw_lines(gui.large_font(), text.title, 0.3F * size.y, to_ink(colours::kNeedle), size.x);
     draw_lines(ImGui::GetFont(), text.body, y + ImGui::GetFontSize(), to_ink(colours::kInk), size.x);
 }

@@ -30,8 +30,8 @@ void draw_over_tissue(const Picture& picture);
 void draw_over_cutaway(const Scene& scene, const CutawayPlan& plan);
 // A line at the top left, where the needle never is.
 void draw_headline(const std::string& text, const CutawayPlan& plan);
-// Covers a scene so wide, and no panel beside it. Lines too long for it are broken between words.
-void draw_page(const GuiLayer& gui, const PageText& text, double scene_width);
+// Covers a scene so wide, and no panel beside it; `opacity` 1: wholly. Lines too long for it are broken between words.
+void draw_page(const GuiLayer& gui, const PageText& text, double scene_width, double opacity = 1);
 // A box in the middle.
 void draw_key_help(const std::string& keys);
 // One line at the bottom left: how old what is seen is.

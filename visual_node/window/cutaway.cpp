@@ -147,7 +147,10 @@ std::vector<CutawayLabel> cutaway_labels(const Scene& scene, const CutawayPlan& 
         const double depth_mm = 1e3 * (cut.position_needle_m - rest_m);
         labels.push_back({{plan.axis_x + 36 * u, tip}, fmt::format("{:.0f} mm deep", depth_mm), kWhite});
     }
-    labels.push_back({{plan.area.x + 22 * u, plan.y(-0.088)}, felt_at(cut.modality), kWhite});
+    labels.push_back({{plan.area.x + 22 * u, plan.y(-0.080)}, felt_at(cut.modality), kWhite});
+    if (cut.position_hand_m && std::abs(*cut.position_hand_m - cut.position_needle_m) > 0.02)
+        labels.push_back(
+            {{plan.axis_x + 66 * u, hub_bottom(plan, *cut.position_hand_m) - 46 * u}, "your hand", kWhite});
     if (cut.modality == Modality::kCCF)
         labels.push_back({{plan.axis_x + 60 * u, hub_bottom(plan, cut.position_needle_m) - 10 * u},
                           "moving hand",
@@ -162,7 +165,7 @@ Picture::Bar cutaway_bar(const Scene& scene, const CutawayPlan& plan) {
     bar.full_length = std::floor(std::max(40.0, 0.29 * plan.area.width));
     bar.length = std::round(std::clamp(scene.bar_N / bar.full_N, 0.0, 1.0) * bar.full_length);
     bar.height = std::round(26 * plan.unit);
-    bar.top = std::round(plan.y(-0.060));
+    bar.top = std::round(plan.y(-0.062));
     bar.tick_N = bar_tick_N(bar.full_N);
     return bar;
 }

@@ -147,7 +147,7 @@ void draw_pair(Mesh& mesh, const Spot& middle, double gap, double unit, const Sc
 
 }  // namespace
 
-Spot other_hand(const CutawayPlan& plan) { return {plan.area.x + 0.19 * plan.area.width, plan.y(-0.058)}; }
+Spot other_hand(const CutawayPlan& plan) { return {plan.area.x + 0.19 * plan.area.width, plan.y(-0.050)}; }
 
 double hub_bottom(const CutawayPlan& plan, double position_needle_m) {
     return plan.y(position_needle_m - kShaft_m);

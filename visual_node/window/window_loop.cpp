@@ -263,7 +263,9 @@ void WindowLoop::draw_overlay(SessionTime now) {
 
 void WindowLoop::draw_captions(SessionTime now, const std::optional<Scene>& scene) {
     if (scene) painter_.draw_over(*scene);
-    if (page_.kind != PageKind::kNone) draw_page(gui_, words_of_page(), scene_width());
+    // A subject sees nothing between trials; a player sees how the last one ended.
+    const double opacity = painter_.cutaway() ? 0.6 : 1;
+    if (page_.kind != PageKind::kNone) draw_page(gui_, words_of_page(), scene_width(), opacity);
     if (parts_.overlay != nullptr) draw_overlay(now);
     if (times_shown_ && parts_.display != nullptr) draw_times(times_);
     draw_notices();
