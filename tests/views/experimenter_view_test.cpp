@@ -217,7 +217,7 @@ TEST_F(ExperimenterView, ListsEveryKey) {
     // The list stands in the middle, its keys in orange, one below the other.
     int lines = 0, before = 0;
     for (int y = 0; y < image.height; ++y) {
-        const int now = count_pixels(image, {70, static_cast<double>(y), 100, 1}, kOrange);
+        const int now = count_pixels(image, {20, static_cast<double>(y), 150, 1}, kOrange);
         lines += now > 0 && before == 0;
         before = now;
     }

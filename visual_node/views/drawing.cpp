@@ -146,12 +146,11 @@ void draw_key_help(std::span<const Key> keys, const Rect& area, double scale) {
     ImGui::Begin("Keys", nullptr,
                  ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings);
-    ImGui::SetWindowFontScale(0.9F);
     for (const Key& key : keys) {
         ImGui::TextColored(gui_colour(kOrange), "%s", key_name(key).c_str());
-        ImGui::SameLine(static_cast<float>(84 * scale));
+        ImGui::SameLine(static_cast<float>(90 * scale));
         ImGui::Text("%s", key.button);
-        ImGui::SameLine(static_cast<float>(230 * scale));
+        ImGui::SameLine(static_cast<float>(236 * scale));
         ImGui::TextUnformatted(key.help);
     }
     ImGui::TextColored(gui_colour(kOrange), "Backspace: EMERGENCY STOP");

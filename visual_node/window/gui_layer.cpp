@@ -78,6 +78,7 @@ void GuiLayer::begin() {
     if (window_->content_scale() != scale_ && !window_->lost()) {
         ImGui_ImplOpenGL3_DestroyFontsTexture();
         fit_to_scale();
+        ImGui_ImplOpenGL3_CreateFontsTexture();  // NewFrame makes only the first one
     }
     if (!window_->lost()) {
         ImGui_ImplOpenGL3_NewFrame();
