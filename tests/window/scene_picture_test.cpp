@@ -37,8 +37,10 @@ Scene seen(Modality modality, const ForceFeedback& feedback) {
 // A window, and the picture of a scene in it.
 class ScenePicture : public OnAScreen {
   protected:
-    static Image picture(const Scene& scene, int width = 800, int height = 600, double scale = 1) {
+    static Image picture(const Scene& scene, int width = 800, int height = 600, double scale = 1,
+                         bool embedded = false) {
         WindowSettings settings;
+        settings.embedded = embedded;
         settings.content_scale = scale;
         settings.width = static_cast<int>(width / scale);
         settings.height = static_cast<int>(height / scale);
@@ -130,6 +132,23 @@ TEST_F(ScenePicture, FingertipBlanches) {
     EXPECT_GT(pressed[2], relaxed[2] + 20);
     EXPECT_GT(pale[2], pressed[2] + 20);
     EXPECT_EQ(pale, nail(9));
+}
+
+// What a browser has, WebGL 2, is OpenGL ES 3.
+TEST_F(ScenePicture, OpenGLESDrawsTheSame) {
+    Scene scene = seen(Modality::kCCF, sample(0.1, 0.025, 3));
+    for (const bool cut_away : {false, true}) {
+        if (cut_away) {
+            scene.cut_away =
+                CutAway{0.1, 0.12, -3, 0, std::nullopt, TissuePhase::kPenetrated, Modality::kCCF, true};
+        }
+        const Image desktop = picture(scene), embedded = picture(scene, 800, 600, 1, true);
+        ASSERT_EQ(desktop.rgb.size(), embedded.rgb.size());
+        std::size_t differ = 0;
+        for (std::size_t i = 0; i < desktop.rgb.size(); ++i)
+            differ += std::abs(desktop.rgb[i] - embedded.rgb[i]) > 8 ? 1U : 0U;
+        EXPECT_LT(differ, desktop.rgb.size() / 500) << (cut_away ? "cut-away" : "subject");
+    }
 }
 
 // docs/pictures shows what a subject sees with each modality at the fixture, 3 N against the needle. With

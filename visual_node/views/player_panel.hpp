@@ -23,6 +23,7 @@ class PlayerPanel final : public Overlay {
     void tick(SessionTime now) override { model_.update(now); }
     void draw(SessionTime now, const OverlayFrame& frame) override;
 
+    void press(SessionTime now, Command command) { model_.press(now, command); }
     // Asks the session to end.
     void quit(SessionTime now) { model_.quit(now); }
 

@@ -60,6 +60,7 @@ void draw_hand_ghost(Mesh& mesh, const CutAway& cut, const CutawayPlan& plan) {
                  ghost = hub_bottom(plan, *cut.position_hand_m);
     if (std::abs(ghost - hub) < 2 * plan.unit) return;
     draw_ghost(mesh, plan, ghost);
+    if (std::abs(ghost - hub) < 20 * plan.unit) return;
     draw_spring(mesh, plan.axis_x - 34 * plan.unit, hub, ghost, plan, ink(kWhite, 0.7));
 }
 
@@ -139,7 +140,8 @@ std::vector<CutawayLabel> cutaway_labels(const Scene& scene, const CutawayPlan& 
                           colours::kInk,
                           true});
     }
-    const double total = total_N(cut), tip = plan.y(cut.position_needle_m);
+    const double total = total_N(cut);
+    const double tip = std::min(plan.y(cut.position_needle_m), plan.area.bottom() - 14 * u);
     if (touches(total))
         labels.push_back(
             {{plan.axis_x - 40 * u, tip - 10 * u}, fmt::format("{:.1f} N", std::abs(total)), kWhite, true});

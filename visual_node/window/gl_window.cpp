@@ -5,6 +5,7 @@
 #include <GLFW/glfw3.h>
 // clang-format on
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
@@ -41,9 +42,11 @@ void start_glfw() {
 void set_hints(const WindowSettings& settings) {
     glfwDefaultWindowHints();
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+    glfwWindowHint(GLFW_CLIENT_API, settings.embedded ? GLFW_OPENGL_ES_API : GLFW_OPENGL_API);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, settings.embedded ? 0 : 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE,
+                   settings.embedded ? GLFW_OPENGL_ANY_PROFILE : GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, settings.embedded ? GLFW_FALSE : GLFW_TRUE);
     glfwWindowHint(GLFW_VISIBLE, settings.visible ? GLFW_TRUE : GLFW_FALSE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, settings.content_scale > 0 ? GLFW_FALSE : GLFW_TRUE);
     glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);  // a subject's screen stays when another gets the keyboard
@@ -285,14 +288,16 @@ Image GlWindow::read_pixels() const {
     if (lost()) return image;
     image.width = impl_->width;
     image.height = impl_->height;
-    const std::size_t row = std::size_t{3} * static_cast<std::size_t>(image.width);
-    std::vector<std::uint8_t> upwards(row * static_cast<std::size_t>(image.height));
+    const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
+    std::vector<std::uint8_t> upwards(4 * width * height);  // OpenGL ES need not give three bytes
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadBuffer(GL_BACK);
-    glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, upwards.data());
-    for (int y = image.height - 1; y >= 0; --y) {
-        const auto begin = upwards.begin() + static_cast<std::ptrdiff_t>(row * y);
-        image.rgb.insert(image.rgb.end(), begin, begin + static_cast<std::ptrdiff_t>(row));
+    glReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, upwards.data());
+    image.rgb.resize(3 * width * height);
+    auto to = image.rgb.begin();
+    for (std::size_t y = height; y-- > 0;) {
+        auto from = upwards.cbegin() + static_cast<std::ptrdiff_t>(4 * width * y);
+        for (std::size_t x = 0; x < width; ++x, from += 4) to = std::copy_n(from, 3, to);
     }
     return image;
 }

@@ -2,6 +2,7 @@
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>
 #include <filesystem>
 #include <imgui.h>
 #include <set>
@@ -60,7 +61,7 @@ GuiLayer::GuiLayer(GlWindow& window, std::string text) : window_(&window), text_
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;  // a session leaves no files behind that it does not name
     ImGui_ImplGlfw_InitForOpenGL(window.handle(), true);
-    ImGui_ImplOpenGL3_Init("#version 330 core");
+    ImGui_ImplOpenGL3_Init(epoxy_is_desktop_gl() ? "#version 330 core" : "#version 300 es");
     fit_to_scale();
 }
 
