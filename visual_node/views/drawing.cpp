@@ -154,8 +154,9 @@ void draw_key_help(std::span<const Key> keys, const Rect& area, double scale) {
         ImGui::TextUnformatted(key.help);
     }
     ImGui::TextColored(gui_colour(kOrange), "Backspace: EMERGENCY STOP");
-    ImGui::TextUnformatted(
-        "Click: take the needle. Esc: let go. F2: times. F12: save the picture. F10: end.");
+    const bool player = std::none_of(keys.begin(), keys.end(),
+                                     [](const Key& key) { return key.command == Command::kRepeat; });
+    if (player) ImGui::TextUnformatted("Esc: let go. F2: times. F12: save the picture. F10: end.");
     ImGui::End();
 }
 

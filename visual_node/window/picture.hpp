@@ -1,5 +1,5 @@
 // A Scene in pixels: pure arithmetic, which painter.hpp draws. Pixels count from the
-// top left corner of the framebuffer, y downwards. The inserted part of the needle and the fixture are in no Scene, so
+// top left corner of the framebuffer, y downwards. The inserted part of the needle and the fixture are not drawn, so
 // they are in no Picture.
 #pragma once
 
