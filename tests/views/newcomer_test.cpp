@@ -1,4 +1,4 @@
-// A newcomer who knows nothing and reads the screen: hovers, clicks, drags, waits, pauses, ends, stops, and goes on by the screen alone.
+// The test does what the screen says and nothing else: it hovers, clicks, drags, waits, pauses, ends, stops and releases.
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"

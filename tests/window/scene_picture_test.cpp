@@ -134,7 +134,7 @@ TEST_F(ScenePicture, FingertipBlanches) {
     EXPECT_EQ(pale, nail(9));
 }
 
-// What a browser has, WebGL 2, is OpenGL ES 3.
+// WebGL 2 of a browser is OpenGL ES 3.
 TEST_F(ScenePicture, OpenGLESDrawsTheSame) {
     Scene scene = seen(Modality::kCCF, sample(0.1, 0.025, 3));
     for (const bool cut_away : {false, true}) {

@@ -109,18 +109,18 @@ void PlayerModel::press(SessionTime now, Command command) {
     }
 }
 
-Step PlayerModel::step(SessionTime now) const {
+PlayerStep PlayerModel::step(SessionTime now) const {
     const Monitor& monitor = link_.monitor();
-    if (!link_.running(now)) return monitor.paused ? Step::kPaused : Step::kStart;
-    if (monitor.needle_held) return Step::kNeedleHeld;
-    if (hand_holds_ == false) return Step::kTake;
-    if (monitor.beeped) return Step::kWithdraw;
+    if (!link_.running(now)) return monitor.paused ? PlayerStep::kPaused : PlayerStep::kStart;
+    if (monitor.needle_held) return PlayerStep::kNeedleHeld;
+    if (hand_holds_ == false) return PlayerStep::kTake;
+    if (monitor.beeped) return PlayerStep::kWithdraw;
     if (monitor.fixture_present && monitor.position_needle_m >= monitor.position_fixture_m) {
         const bool late = monitor.modality == Modality::kHF && link_.delay_s() >= kNoticeableDelay_s;
-        return late ? Step::kShaking : Step::kStay;
+        return late ? PlayerStep::kShaking : PlayerStep::kStay;
     }
-    if (monitor.phase == TissuePhase::kPenetrated) return Step::kInside;
-    return monitor.phase == TissuePhase::kContact ? Step::kPress : Step::kApproach;
+    if (monitor.phase == TissuePhase::kPenetrated) return PlayerStep::kInside;
+    return monitor.phase == TissuePhase::kContact ? PlayerStep::kPress : PlayerStep::kApproach;
 }
 
 const char* PlayerModel::hint() const {

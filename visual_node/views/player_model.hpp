@@ -39,8 +39,8 @@ struct ScrubScale {
     double time_s(double x) const;  // taken to the nearest of the trial
 };
 
-// What the player should do next. From kApproach on in the order of a trial.
-enum class Step : std::uint8_t {
+// The next thing for the player to do. From kApproach on in the order of a trial.
+enum class PlayerStep : std::uint8_t {
     kStart,
     kPaused,
     kNeedleHeld,
@@ -59,17 +59,17 @@ class SteadyStep {
   public:
     static constexpr Duration kSettle = std::chrono::milliseconds{1200};
 
-    void update(SessionTime now, Step step) {
-        const bool back = step >= Step::kApproach && step < shown_;
+    void update(SessionTime now, PlayerStep step) {
+        const bool back = step >= PlayerStep::kApproach && step < shown_;
         if (!back) shown_ = step;
         if (!back || step > newest_back_) back_since_ = now;
-        newest_back_ = back ? step : Step::kStart;
+        newest_back_ = back ? step : PlayerStep::kStart;
         if (back && now - back_since_ >= kSettle) shown_ = step;
     }
-    Step shown() const { return shown_; }
+    PlayerStep shown() const { return shown_; }
 
   private:
-    Step shown_ = Step::kStart, newest_back_ = Step::kStart;
+    PlayerStep shown_ = PlayerStep::kStart, newest_back_ = PlayerStep::kStart;
     SessionTime back_since_{};
 };
 
@@ -108,7 +108,7 @@ class PlayerModel {
   private:
     void start(SessionTime now, Modality modality) { link_.ask(now, OrderKind::kStart, modality); }
 
-    Step step(SessionTime now) const;
+    PlayerStep step(SessionTime now) const;
 
     SessionLink link_;
     ReplayModel replay_{link_};

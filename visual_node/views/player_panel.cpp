@@ -55,14 +55,14 @@ void PlayerPanel::draw_modalities(double scale, SessionTime now) {
 }
 
 void PlayerPanel::draw_plot(double scale, SessionTime now) {
-    // What is left over two rows of text beneath.
+    // The plot fills the panel down to the two rows beneath it.
     const double left = static_cast<double>(ImGui::GetContentRegionAvail().y) - 2.2 * kRow * scale;
     const Rect rect = row_here(std::max(kPlotHeight * scale, left));
     plot_.draw(*ImGui::GetWindowDrawList(), rect, scale, player_plot(), model_.link().history(), now);
     ImGui::Dummy(extent(rect));
 }
 
-// What is wrong, if anything.
+// An alarm and a device fault, if there are any.
 void PlayerPanel::draw_words(SessionTime now) const {
     const TextLine alarm = model_.link().alarm(now);
     if (!alarm.view().empty()) text_in(kVermillion, alarm.view());

@@ -20,7 +20,7 @@ class StopControl : boost::noncopyable {
           at_(at),
           out_(Role::kExperimenter, instance, {at[0], at[1], at[2], at[3], at[4], at[5]}) {}
 
-    // The session may be what hangs, so every program is told.
+    // A session that hangs passes nothing on, so the stop goes to every program.
     void stop(SessionTime now, std::string_view words) {
         constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15U;  // odd: no number comes twice
         order_ = StopOrder(instance_ + kSpread * ++stops_, StopKind::kStop, EndReason::kEmergencyStop, words);

@@ -23,8 +23,8 @@ struct WindowSettings {
     bool fullscreen = false;   // on the primary monitor, in its own resolution
     bool vsync = true;         // end_frame() waits for the monitor
     double content_scale = 0;  // instead of the monitor's; 0: as the monitor says
-    bool embedded = false;     // OpenGL ES 3 instead of OpenGL 3.3: what a browser's WebGL 2 has
-    // Text and panels are as large as in a window of this size, times how much larger the window is; 0: as the monitor says.
+    bool embedded = false;     // OpenGL ES 3 instead of OpenGL 3.3, as in WebGL 2
+    // Text and panels have scale 1 in a window of this size, and grow with the window. 0: the monitor's scale.
     int scale_from_width = 0, scale_from_height = 0;
 };
 

@@ -13,7 +13,7 @@ class ScenePainter : boost::noncopyable {
   public:
     // The scene into the left `size` of a framebuffer that is `framebuffer_width` wide. Before GuiLayer::begin().
     void paint(const Scene& scene, const PictureSize& size, int framebuffer_width);
-    // What stands over the last painted scene: texts, and on the subject's screen the needle. After GuiLayer::begin().
+    // The texts over the last painted scene, and on the subject's screen the needle. After GuiLayer::begin().
     void draw_over(const Scene& scene) const;
     // Where the last cut-away view stands; nothing after a scene without one.
     const std::optional<CutawayPlan>& cutaway() const { return plan_; }
