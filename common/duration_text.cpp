@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "common/decimal_text.hpp"
+
 namespace thimble {
 namespace {
 
@@ -33,7 +35,7 @@ constexpr double kLongestPath_s = 3;
 // The number that `text` begins with, cut off from it.
 std::optional<double> take_number(std::string_view& text) {
     double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const auto [end, error] = read_decimal(text.data(), text.data() + text.size(), value);
     if (error != std::errc{} || !std::isfinite(value)) return std::nullopt;
     text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     return value;

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "common/csv/spreadsheet.hpp"
+#include "common/decimal_text.hpp"
 #include "common/error.hpp"
 #include "common/text_file.hpp"
 
@@ -28,8 +29,13 @@ std::string read_whole(const std::filesystem::path& file) {
     return read_to_end(in, file);
 }
 
-template <class T>
-bool parse(std::string_view text, T& value) {
+bool parse(std::string_view text, double& value) {
+    const char* const end = text.data() + text.size();
+    const auto [rest, error] = read_decimal(text.data(), end, value);
+    return error == std::errc{} && rest == end;
+}
+
+bool parse(std::string_view text, std::uint64_t& value) {
     const char* const end = text.data() + text.size();
     const auto [rest, error] = std::from_chars(text.data(), end, value);
     return error == std::errc{} && rest == end;

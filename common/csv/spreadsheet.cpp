@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "common/decimal_text.hpp"
 #include "common/error.hpp"
 #include "common/text_file.hpp"
 
@@ -20,7 +21,7 @@ bool is_number(std::string_view text) {
     text.remove_prefix(begin);
     if (text.front() == '+') text.remove_prefix(1);
     double value = 0;
-    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const auto [rest, error] = read_decimal(text.data(), text.data() + text.size(), value);
     return error == std::errc{} && rest == text.data() + text.size();
 }
 

@@ -82,7 +82,7 @@ Bytes Sealer::seal(PacketKind kind, Port port, Bytes text) {
     crypto_aead_chacha20poly1305_ietf_encrypt(buffer_.data() + covered, &sealed, text.data() + open,
                                               text.size() - open, buffer_.data(), covered, nullptr,
                                               nonce.data(), key_.bytes.data());
-    return {buffer_.data(), covered + sealed};
+    return {buffer_.data(), covered + static_cast<std::size_t>(sealed)};
 }
 
 void Opener::arm(const SecretKey& key) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "common/decimal_text.hpp"
 #include "netem/formats/text_lines.hpp"
 
 namespace thimble {
@@ -26,10 +26,9 @@ std::optional<double> shifted(std::string_view number, int power) {
 // value * 10^power as plain decimals, without loss.
 std::string print_shifted(double value, int power) {
     if (value == 0) return "0";
-    std::array<char, 64> buffer{};
-    const auto end =
-        std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific).ptr;
-    const std::string_view shortest(buffer.data(), static_cast<std::size_t>(end - buffer.data()));
+    std::string shortest;
+    for (int digits = 0; parse_number(shortest) != value; ++digits)
+        shortest = fmt::format("{:.{}e}", value, digits);
     const std::size_t e = shortest.find('e');
     std::string digits(shortest.substr(0, e));
     std::erase(digits, '.');
@@ -68,7 +67,7 @@ struct TcQuantity {
 
 std::optional<TcQuantity> split(std::string_view word) {
     double value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    const auto [end, error] = read_decimal(word.data(), word.data() + word.size(), value);
     if (error != std::errc{} || !std::isfinite(value)) return {};
     const auto digits = static_cast<std::size_t>(end - word.data());
     TcQuantity quantity{word.substr(0, digits), std::string(word.substr(digits))};

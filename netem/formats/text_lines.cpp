@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "common/decimal_text.hpp"
 #include "common/error.hpp"
 #include "common/text_file.hpp"
 
@@ -74,7 +75,7 @@ std::vector<std::string_view> fields_of(std::string_view line) {
 
 std::optional<double> parse_number(std::string_view text) {
     double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const auto [end, error] = read_decimal(text.data(), text.data() + text.size(), value);
     if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return {};
     return value;
 }

@@ -1,0 +1,29 @@
+// std::from_chars for a double, also where the standard library has it for whole numbers only (LLVM's, in the browser).
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <system_error>
+
+namespace thimble {
+
+// As std::from_chars in its general format. Without it nothing but finite decimals is read.
+inline std::from_chars_result read_decimal(const char* first, const char* last, double& value) {
+#ifdef __cpp_lib_to_chars
+    return std::from_chars(first, last, value);
+#else
+    const std::string text(first, last);
+    const std::size_t length = std::min(text.find_first_not_of("+-.0123456789eE"), text.size());
+    const std::string number = text.substr(0, length);
+    char* end = nullptr;
+    const double read = std::strtod(number.c_str(), &end);
+    if (end == number.c_str() || number[0] == '+') return {first, std::errc::invalid_argument};
+    if (!std::isfinite(read)) return {first + (end - number.c_str()), std::errc::result_out_of_range};
+    value = read;
+    return {first + (end - number.c_str()), std::errc{}};
+#endif
+}
+
+}  // namespace thimble

@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+"""page.py PAGE [THIMBLE]: tries the page in chromium without a window: it drags the needle as a visitor does.
+
+THIMBLE, where it is there, is the native program that has to write the same bytes. Exit code 0: all is as it should be; 1: the lines
+that say "not ok" say why; 77: a program is missing, which the last line names. Times are printed, and judge nothing."""
+
+import hashlib
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+SIZES = {"phone": (390, 844), "laptop": (1280, 800), "large": (1920, 1080)}
+FRAMES = "let done = arguments[0], n = 0, t0 = performance.now(); (function f() { n++; const t = performance.now() - t0; t > 1500 ? done(n / t * 1000) : requestAnimationFrame(f); })();"
+SEEDS = range(1, 6)
+failed = []
+
+
+def expect(fact, words):
+    print("ok" if fact else "not ok", "-", words, flush=True)
+    if not fact:
+        failed.append(words)
+
+
+def skip(words):
+    print(words)
+    sys.exit(77)
+
+
+def start(webdriver, service):
+    options = webdriver.ChromeOptions()
+    options.binary_location = shutil.which("chromium")
+    for word in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars"):
+        options.add_argument(word)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    return webdriver.Chrome(service=service(shutil.which("chromedriver")), options=options)
+
+
+class Visitor:
+    def __init__(self, driver, page):
+        self.driver, self.page = driver, page
+
+    def open(self, size):
+        # about:blank first: the same address again would not load anew.
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size[0] < 500})
+        self.driver.get("about:blank")
+        begin = time.monotonic()
+        self.driver.get(self.page.as_uri())
+        while not self.driver.execute_script("return window.page !== undefined && page.state !== undefined"):
+            if time.monotonic() - begin > 60:
+                raise SystemExit(f"the page does not start: {self.driver.find_element('id', 'failed').text}")
+            time.sleep(0.05)
+        return time.monotonic() - begin
+
+    def choose(self, modality):
+        self.driver.execute_script(f"document.getElementById('modalities').children[{modality}].click()")
+
+    def drag(self, depth_mm, hold_s):
+        """Presses, drags the needle to that depth in about a second, and holds the virtual clock's seconds long."""
+        from selenium.webdriver.common.action_chains import ActionChains
+
+        grip = self.driver.find_element("css selector", ".grip")
+        self.driver.execute_script("arguments[0].scrollIntoView()", grip)
+        height = grip.size["height"]
+        per_mm = self.driver.execute_script(f"return page.engine.pixelsPerMetre({height})") / 1000
+        steps = 12
+        actions = ActionChains(self.driver, duration=40).move_to_element_with_offset(grip, 0, int(-height * 0.4)).click_and_hold()
+        for i in range(steps):
+            actions.move_by_offset(0, round(depth_mm * per_mm * (i + 1) / steps) - round(depth_mm * per_mm * i / steps))
+        actions.perform()
+        self.wait(hold_s)
+        state = self.state()
+        ActionChains(self.driver).release().perform()
+        return state
+
+    def wait(self, virtual_s):
+        """Of the page's own time, which is slow where there is no graphics card."""
+        wanted = self.state()["time_s"] + virtual_s
+        end = time.monotonic() + 120
+        while self.state()["time_s"] < wanted and time.monotonic() < end:
+            time.sleep(0.1)
+
+    def state(self):
+        return self.driver.execute_script("return page.state")
+
+    def digest(self, seed):
+        return self.driver.execute_async_script(f"const done = arguments[0]; page.engine.digest({seed}).then(done, (e) => done(String(e)))")
+
+
+def native_digest(thimble, seed):
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "study"
+        subprocess.run([thimble, "study", "--experiment", "3", "--subjects", "1", "--no-control", "--seed", str(seed), "--out", out],
+                       check=True, capture_output=True)
+        return hashlib.sha256((out / "trials.csv").read_bytes()).hexdigest()
+
+
+def try_hands(visitor):
+    # 130 mm: some 10 to 20 mm beyond any wall, which a hand overshoots when nothing stops it.
+    hand = visitor.drag(130, 4)
+    expect(hand["contacts_lost"] >= 3 and hand["frequency_Hz"] >= 1, f"force in the hand shakes ({hand['contacts_lost']:.0f} contacts lost)")
+    expect(hand["energy_in_J"] < 0, "its loop gives out energy")
+    visitor.choose(1)
+    finger = visitor.drag(130, 4)
+    expect(finger["contacts_lost"] == 0 and finger["hold_s"] > 2, "force on the fingertip does not")
+    visitor.choose(0)
+    shoved = visitor.drag(180, 5)
+    expect(shoved["frequency_Hz"] >= 1, f"shoving does not cure it ({shoved['frequency_Hz']:.1f} per second)")
+
+
+def try_keys(visitor):
+    from selenium.webdriver.common.keys import Keys
+
+    visitor.choose(1)
+    grip = visitor.driver.find_element("css selector", ".grip")
+    grip.send_keys(Keys.ARROW_DOWN)  # down and up at once: the hand takes hold
+    visitor.driver.execute_script("page.key({preventDefault() {}}, 1)")
+    visitor.wait(1)
+    visitor.driver.execute_script("page.hand.key = 0")
+    expect(visitor.state()["needle_m"] > 0.01, "the arrow keys push")
+
+
+def try_sizes(visitor):
+    for name, size in SIZES.items():
+        started = visitor.open(size)
+        width = visitor.driver.execute_script("return document.documentElement.scrollWidth")
+        expect(width <= size[0], f"{name}: nothing is wider than the screen ({width} of {size[0]})")
+        fps = visitor.driver.execute_async_script(FRAMES)
+        print(f"     {name} {size[0]}x{size[1]}: first needle after {started:.2f} s, {fps:.0f} frames per second with software GL", flush=True)
+
+
+def try_words(visitor):
+    visitor.driver.execute_script("const l = document.getElementById('language'); l.value = 'it'; l.dispatchEvent(new Event('change'))")
+    expect("ago" in visitor.driver.find_element("tag name", "h2").text, "it speaks Italian")
+    empty = visitor.driver.execute_script("return [...document.querySelectorAll('[data-words]')].filter((e) => e.textContent === '' || e.textContent === 'undefined').map((e) => e.dataset.words)")
+    expect(not empty, f"each text has words {empty}")
+
+
+def try_accessibility(visitor):
+    axe = visitor.page.parent / "axe.js"
+    if not axe.exists():
+        print("     accessibility not tried: npm could not fetch axe-core")
+        return
+    visitor.driver.execute_script(axe.read_text())
+    result = visitor.driver.execute_async_script("const done = arguments[0]; axe.run().then((r) => done(r.violations.map((v) => v.id + ': ' + v.nodes.length)))")
+    expect(not result, f"axe-core finds no error {result}")
+
+
+def try_bytes(visitor, thimble):
+    for seed in SEEDS:
+        digest = visitor.digest(seed)
+        expect(digest == native_digest(thimble, seed), f"seed {seed}: the native program's bytes ({digest[:12]})")
+    command = [shutil.which("chromium"), "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=1000", "--dump-dom",
+               visitor.page.as_uri() + "#check=1"]
+    dom = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False).stdout
+    found = dom.partition('<pre id="check">')[2].partition("</pre>")[0]
+    expect(bool(found) and json.loads(found)["sha256"] == native_digest(thimble, 1), "#check=1 leaves the same digest")
+
+
+def try_log(driver):
+    errors = [entry["message"] for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
+    expect(not errors, f"no error on the console {errors}")
+    addresses = []
+    for entry in driver.get_log("performance"):
+        message = json.loads(entry["message"])["message"]
+        if message["method"] == "Network.requestWillBeSent":
+            addresses.append(message["params"]["request"]["url"].split("?")[0])
+    out = [a for a in addresses if not a.startswith(("file:", "about:", "data:", "blob:"))]
+    expect(not out, f"no request to anywhere {out}")
+
+
+def main(page, thimble):
+    if not page.exists():
+        skip("no page: deploy/browser makes it, and installs what it needs")
+    if shutil.which("chromium") is None or shutil.which("chromedriver") is None:
+        skip("no browser: it needs package chromium and package chromium-driver")
+    try:
+        from selenium import webdriver
+        from selenium.webdriver.chrome.service import Service
+    except ImportError:
+        skip("no way to steer the browser: it needs package python3-selenium")
+    size = page.stat().st_size
+    expect(size <= 2_000_000, f"one file of {size / 1e6:.2f} MB")
+    driver = start(webdriver, Service)
+    try:
+        driver.set_script_timeout(120)
+        visitor = Visitor(driver, page)
+        try_sizes(visitor)
+        visitor.open(SIZES["laptop"])
+        try_hands(visitor)
+        try_keys(visitor)
+        if thimble is not None:
+            try_bytes(visitor, thimble)
+        try_words(visitor)
+        try_accessibility(visitor)
+        try_log(driver)
+    finally:
+        driver.quit()
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    native = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
+    sys.exit(main(pathlib.Path(sys.argv[1]).resolve(), native if native and native.exists() else None))
