@@ -1,10 +1,9 @@
 // All that the page's JavaScript calls. Plain numbers and texts go through; an error's words end in last_error().
 #include <array>
 #include <cmath>
+#include <emscripten.h>
 #include <string>
 #include <utility>
-
-#include <emscripten.h>
 
 #include "browser/live_trial.hpp"
 #include "browser/page_study.hpp"
@@ -70,8 +69,8 @@ EMSCRIPTEN_KEEPALIVE const char* state_names() {
     return words.c_str();
 }
 
-EMSCRIPTEN_KEEPALIVE void begin_trial(int side, int modality, double delay_s, int virtual_hand, int compensator,
-                                      int seed) {
+EMSCRIPTEN_KEEPALIVE void begin_trial(int side, int modality, double delay_s, int virtual_hand,
+                                      int compensator, int seed) {
     LiveChoice choice;
     choice.modality = kModalities.at(static_cast<std::size_t>(modality));
     choice.delay_s = delay_s;
@@ -110,8 +109,8 @@ EMSCRIPTEN_KEEPALIVE void draw(int side, double width, double height, int fixtur
     one.labels = lines_of(cutaway_labels(scene, plan));
 }
 // A sample of a recorded trial, for draw(). `fixture_m` is no number where nobody touched the fixture.
-EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_m, double fixture_m, double tissue_N,
-                                      double fixture_N, int phase, int modality) {
+EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_m, double fixture_m,
+                                      double tissue_N, double fixture_N, int phase, int modality) {
     CutAway cut;
     cut.position_needle_m = needle_m;
     cut.position_fixture_m = fixture_m;
@@ -125,16 +124,25 @@ EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_
     scene.position_surface_m = surface_m;
     scene.cut_away = cut;
 }
-EMSCRIPTEN_KEEPALIVE double pixels_per_metre(double height) { return plan_cutaway({0, 0, height, height}).per_m; }
-EMSCRIPTEN_KEEPALIVE const void* vertices(int side) { return sides[static_cast<std::size_t>(side)].mesh.vertices().data(); }
-EMSCRIPTEN_KEEPALIVE int vertex_bytes(int side) {
-    return static_cast<int>(sides[static_cast<std::size_t>(side)].mesh.vertices().size() * sizeof(Mesh::Vertex));
+EMSCRIPTEN_KEEPALIVE double pixels_per_metre(double height) {
+    return plan_cutaway({0, 0, height, height}).per_m;
 }
-EMSCRIPTEN_KEEPALIVE const void* indices(int side) { return sides[static_cast<std::size_t>(side)].mesh.indices().data(); }
+EMSCRIPTEN_KEEPALIVE const void* vertices(int side) {
+    return sides[static_cast<std::size_t>(side)].mesh.vertices().data();
+}
+EMSCRIPTEN_KEEPALIVE int vertex_bytes(int side) {
+    return static_cast<int>(sides[static_cast<std::size_t>(side)].mesh.vertices().size() *
+                            sizeof(Mesh::Vertex));
+}
+EMSCRIPTEN_KEEPALIVE const void* indices(int side) {
+    return sides[static_cast<std::size_t>(side)].mesh.indices().data();
+}
 EMSCRIPTEN_KEEPALIVE int index_count(int side) {
     return static_cast<int>(sides[static_cast<std::size_t>(side)].mesh.indices().size());
 }
-EMSCRIPTEN_KEEPALIVE const char* labels(int side) { return sides[static_cast<std::size_t>(side)].labels.c_str(); }
+EMSCRIPTEN_KEEPALIVE const char* labels(int side) {
+    return sides[static_cast<std::size_t>(side)].labels.c_str();
+}
 
 // From which one-way delay on HF oscillates under this pointer, by theory.
 EMSCRIPTEN_KEEPALIVE double onset_s() {
@@ -149,9 +157,12 @@ EMSCRIPTEN_KEEPALIVE double onset_s() {
 }
 
 EMSCRIPTEN_KEEPALIVE void begin_study(double seed, int subjects) {
-    study = std::make_unique<PageStudy>(static_cast<std::uint64_t>(seed), static_cast<std::uint32_t>(subjects));
+    study =
+        std::make_unique<PageStudy>(static_cast<std::uint64_t>(seed), static_cast<std::uint32_t>(subjects));
 }
-EMSCRIPTEN_KEEPALIVE int go_on_study(int instants) { return study->go_on(static_cast<unsigned>(instants)) ? 1 : 0; }
+EMSCRIPTEN_KEEPALIVE int go_on_study(int instants) {
+    return study->go_on(static_cast<unsigned>(instants)) ? 1 : 0;
+}
 EMSCRIPTEN_KEEPALIVE int study_planned() { return static_cast<int>(study->planned()); }
 EMSCRIPTEN_KEEPALIVE int study_done() { return static_cast<int>(study->rows().size()); }
 EMSCRIPTEN_KEEPALIVE double study_simulated_s() { return study->simulated_s(); }
@@ -159,8 +170,11 @@ EMSCRIPTEN_KEEPALIVE double study_simulated_s() { return study->simulated_s(); }
 EMSCRIPTEN_KEEPALIVE double study_value(int row, int column) {
     const TrialRow& r = study->rows().at(static_cast<std::size_t>(row));
     const TrialMetrics& m = r.metrics;
-    const std::array values{static_cast<double>(r.conditions.modality), m.penetration_mean_m, m.penetration_max_m,
-                            m.completion_time_s, m.oscillates ? 1.0 : 0.0,
+    const std::array values{static_cast<double>(r.conditions.modality),
+                            m.penetration_mean_m,
+                            m.penetration_max_m,
+                            m.completion_time_s,
+                            m.oscillates ? 1.0 : 0.0,
                             static_cast<double>(r.conditions.subject)};
     return values.at(static_cast<std::size_t>(column));
 }

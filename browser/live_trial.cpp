@@ -8,8 +8,10 @@
 namespace thimble {
 namespace {
 
-constexpr Duration kFollowPeriod = std::chrono::milliseconds{5};  // a pointer is asked more often than a screen is drawn
-constexpr Duration kLongestTrial = std::chrono::minutes{3};       // a trial's record has a place for each millisecond
+constexpr Duration kFollowPeriod =
+    std::chrono::milliseconds{5};  // a pointer is asked more often than a screen is drawn
+constexpr Duration kLongestTrial =
+    std::chrono::minutes{3};  // a trial's record has a place for each millisecond
 constexpr double kFrequencySpan_s = 2;
 
 SystemSettings settings_of(const LiveChoice& choice) {

@@ -48,17 +48,17 @@ struct LiveChoice {
 struct LiveState {
     double time_s = 0;  // of the running trial
     double needle_m = 0, surface_m = 0, fixture_m = 0;
-    double force_hand_N = 0;     // of the handle, positive pushes the hand out
-    double force_finger_N = 0;   // of the fingertip device
-    double force_bar_N = 0;      // that the bar shows
-    double force_total_N = 0;    // at the needle
-    double energy_in_J = 0;      // of the hand on the handle; negative: the loop has given out more than it got
-    double contacts_lost = 0;    // of the fixture, in this trial
-    double frequency_Hz = 0;     // contacts lost per second, of the last two seconds
-    double hold_s = 0;           // unbroken contact with the fixture
-    double beeps = 0;            // since the start
-    double trials = 0;           // ended
-    double hand_m = 0;           // where the hand wants the needle
+    double force_hand_N = 0;    // of the handle, positive pushes the hand out
+    double force_finger_N = 0;  // of the fingertip device
+    double force_bar_N = 0;     // that the bar shows
+    double force_total_N = 0;   // at the needle
+    double energy_in_J = 0;    // of the hand on the handle; negative: the loop has given out more than it got
+    double contacts_lost = 0;  // of the fixture, in this trial
+    double frequency_Hz = 0;   // contacts lost per second, of the last two seconds
+    double hold_s = 0;         // unbroken contact with the fixture
+    double beeps = 0;          // since the start
+    double trials = 0;         // ended
+    double hand_m = 0;         // where the hand wants the needle
 };
 
 class LiveTrial {

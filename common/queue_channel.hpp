@@ -14,8 +14,7 @@ namespace thimble {
 class QueueChannel final : public Channel {
   public:
     // `capacity` datagrams wait at most; one more is lost and counted. A power of two.
-    explicit QueueChannel(std::size_t capacity = 64)
-        : capacity_(capacity), slots_(new Slot[capacity]) {
+    explicit QueueChannel(std::size_t capacity = 64) : capacity_(capacity), slots_(new Slot[capacity]) {
         assert(std::has_single_bit(capacity) && capacity > 1);
         known_empty_ = true;
     }

@@ -82,6 +82,8 @@ HandleSettings read_handle_settings(const ConfigTable& table) {
                "pointer, hid: from the pointer's place to the handle.");
     table.read("coupling_damping_Ns_per_m", settings.coupling.damping_Ns_per_m, 0, 100,
                "pointer, hid: on the handle, also once it is let go.");
+    table.read("coupling_force_limit_N", settings.coupling.force_limit_N, 0.1, 100,
+               "pointer, hid: the most that the hand pulls with; less than force_limit_N.");
     settings.force_dimension = read_force_dimension(table.table("force_dimension"));
     settings.falcon = read_falcon(table.table("falcon"));
     settings.hid = read_hid_hand_settings(table.table("hid"));

@@ -25,6 +25,8 @@ enum class HandleKind : std::uint8_t {
 struct CouplingSettings {
     double stiffness_N_per_m = 500;  // [A] between grip and arm of the virtual operator
     double damping_Ns_per_m = 15;    // [A] with the handle's mass 0.7 of critical; three times K h / 2
+    // [A] the most that the hand pulls with. Clearly less than the handle's limit, or a hand that shoves would hold a late force down.
+    double force_limit_N = 6;
 };
 
 struct HandleSettings {

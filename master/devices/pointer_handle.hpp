@@ -1,6 +1,6 @@
 // A simulated handle that a person's pointer draws through a virtual coupling: no operator's limb, no motor. The person
 // feels nothing in the hand but sees the needle give way, which is what HF can be with a mouse.
-//     m_d x" = F_c - b_c x' - b_d x' - F_f - F_dev,   F_c = k_c (x_wanted - x) within +-force_limit_N, 0 if let go
+//     m_d x" = F_c - b_c x' - b_d x' - F_f - F_dev,   F_c = k_c (x_wanted - x) within +-coupling.force_limit_N, 0 if let go
 // F_f, F_dev and signs as in limb.hpp; z positive into the tissue. The damper stands between handle and ground, not
 // between handle and pointer: a pointer moves in steps of a screen's frame, and their derivative would be blows.
 //
@@ -66,11 +66,11 @@ class PointerHandle : public SoftwareHandle, public HandFollower {
         bristle_ = (bristle_ + slid) / (1 + std::fabs(slid));
     }
 
-    // No stronger than the device it pulls at: a pointer may jump across the screen.
+    // A pointer may jump across the screen.
     double pull_N() const {
         if (reached_ >= let_go_) return 0;
         return std::clamp(settings_.coupling.stiffness_N_per_m * (wanted_m_ - position_m_),
-                          -settings_.force_limit_N, settings_.force_limit_N);
+                          -settings_.coupling.force_limit_N, settings_.coupling.force_limit_N);
     }
 
     bool in_trial_ = false;

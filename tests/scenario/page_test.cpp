@@ -1,10 +1,9 @@
 // The page in the browser without the browser: a visitor's pointer, frame by frame, and the study that the page runs.
-#include "browser/live_trial.hpp"
-
 #include <filesystem>
 
 #include <gmock/gmock.h>
 
+#include "browser/live_trial.hpp"
 #include "browser/page_study.hpp"
 #include "study/study.hpp"
 #include "tests/read_text.hpp"
@@ -64,6 +63,9 @@ TEST(LiveTrial, ALaterDelayActsAtOnce) {
     LiveTrial trial(choice(Modality::kHF, 0));
     const double before = drag(trial, 0.125, 4).contacts_lost;
     trial.change_delay(0.05);
+    trial.point(kPerNeedle * 0.08, true);
+    trial.advance(0.2);
+    trial.point(kPerNeedle * 0.125, true);
     for (int frame = 0; frame < 240; ++frame) trial.advance(kFrame_s);
     EXPECT_GE(trial.state().contacts_lost, before + 4);
 }

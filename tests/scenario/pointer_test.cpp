@@ -129,6 +129,19 @@ TEST(Pointer, AFirmerHandOscillatesToo) {
     }
 }
 
+// 24 mm beyond the fixture at the hand, 12 N by the spring: the hand pulls with less, so that the late force still moves it.
+TEST(Pointer, ShovingCuresNothing) {
+    for (const Modality modality : kModalities) {
+        const TrialConditions trial = trial_of(modality, kPaperDelay);
+        SystemSettings settings = pointed(kPaperDelay);
+        settings.session.trial_timeout = seconds{12};
+        Rig rig(settings);
+        rig.start(trial);
+        ScriptedHand hand(rig, 0.024, trial.fixture_position_m);
+        EXPECT_EQ(measure(hand.finish()).oscillates, modality == Modality::kHF) << to_string(modality);
+    }
+}
+
 // The table of docs/play.md.
 TEST(Pointer, WhatDelayDoesToAHandThatPresses) {
     fmt::print("| delay, ms | contacts lost | rms, mm | peak to peak, mm | frequency, Hz | energy in, J |\n");

@@ -160,7 +160,7 @@ HidHandle::HidHandle(const HandleSettings& handle, const HidHandSettings& settin
     : PointerHandle(handle),
       mapping_(settings),
       hand_(hand),
-      reach_m_(handle.force_limit_N / handle.coupling.stiffness_N_per_m) {}
+      reach_m_(handle.coupling.force_limit_N / handle.coupling.stiffness_N_per_m) {}
 
 HandleSample HidHandle::read(SessionTime now) {
     follow(now, mapping_.hand(now, hand_.deflection(), position_hand_m(), reach_m_));
