@@ -1,0 +1,39 @@
+// What a fit estimates: the traits that are drawn for each virtual subject, as independent standard normal numbers, and the keys of
+// a session file that they decide.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "master/operator/operator_parameters.hpp"
+#include "session/settings/system_settings.hpp"
+
+namespace thimble {
+
+// A trait is median * exp(spread * z). Its z has the standard normal distribution in the population.
+inline constexpr std::size_t kTraitCount = 11;
+using TraitScores = std::array<double, kTraitCount>;
+
+// The scores of a drawn subject. A trait without spread has 0.
+TraitScores trait_scores(const OperatorParameters& population, const Subject& subject);
+
+// The traits that can do something in the trials of this modality.
+std::vector<std::size_t> acting_traits(const OperatorParameters& population, Modality modality);
+
+struct FittedKey {
+    std::string key;       // "operator.reaction_visual_s"
+    double median = 0;     // of the population
+    TraitScores spread{};  // log(value / median) = sum of spread * z
+
+    double value(const TraitScores& scores) const;
+    double spread_of_logarithm() const;  // in the population
+};
+
+// Every key of [operator] that differs between subjects.
+std::vector<FittedKey> fitted_keys(const OperatorParameters& population);
+
+// Keys that make everybody equal to the medians: each spread is 0.
+std::vector<SettingChange> without_spread();
+
+}  // namespace thimble
