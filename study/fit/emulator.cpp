@@ -12,8 +12,8 @@ namespace thimble {
 namespace {
 
 constexpr std::size_t kFeatures = kFeatureNames.size();
-// Weight of "no slope", in simulated trials: it matters only where there are few.
-constexpr double kLinearPrior = 0.1, kSquarePrior = 2, kScalePrior = 20;
+// Weight of "no slope", in pairs. In logarithms most relations are straight: products of traits need many pairs to be believed.
+constexpr double kLinearPrior = 0.1, kSquarePrior = 300, kScalePrior = 20;
 // Mean of log(z^2), z standard normal.
 constexpr double kMeanLogSquare = -1.2703628454614782;
 constexpr double kLeastScale = 1e-4;
@@ -151,23 +151,18 @@ void Emulator::fit_covariances(std::span<const SimulatedPair> pairs) {
     const auto n = static_cast<double>(pairs.size());
     for (double& sum : of_pairs_) sum /= std::max(n - spent, 1.0);
     for (double& sum : within_) sum /= 2 * n;
-    for (std::size_t k = 0; k < kFeatures; ++k) of_pairs_[k * kFeatures + k] += kLeastOwn;
 }
 
-// Means of n trials have within / n, and the regression's own error, which stays however many there are. Both are estimates: where
-// their difference is no covariance, the own error counts for more.
+// A mean of n trials has within / n, and the regression's own error, which stays however many there are. That error is small, and its
+// estimate uncertain: only its part in each feature counts.
 Cholesky Emulator::covariance(std::size_t trials) const {
-    const double less = 0.5 - 1 / static_cast<double>(trials);
-    for (double share = 1;; share -= 0.05) {
-        std::vector<double> matrix = of_pairs_;
-        const double part = less > 0 ? std::max(share, 0.0) * less : less;
-        for (std::size_t i = 0; i < matrix.size(); ++i) matrix[i] -= part * within_[i];
-        for (std::size_t k = 0; k < kFeatures; ++k) matrix[k * kFeatures + k] -= 0.5 * kLeastOwn;
-        auto factor = Cholesky::of(matrix, kFeatures);
-        if (!factor) continue;
-        for (std::size_t k = 0; k < kFeatures; ++k) matrix[k * kFeatures + k] += 0.5 * kLeastOwn;
-        return *Cholesky::of(std::move(matrix), kFeatures);
-    }
+    std::vector<double> matrix = within_;
+    for (double& value : matrix) value /= static_cast<double>(trials);
+    for (std::size_t i = 0; i < matrix.size(); i += kFeatures + 1)
+        matrix[i] += std::max(of_pairs_[i] - 0.5 * within_[i], 0.0) + kLeastOwn;
+    auto factor = Cholesky::of(std::move(matrix), kFeatures);
+    if (!factor) throw Error(ExitCode::kRunFailed, "the simulated trials are all alike; simulate more");
+    return *std::move(factor);
 }
 
 Emulator::At Emulator::at(const TraitScores& traits) const {

@@ -11,8 +11,7 @@ namespace {
 // Of a needle that rests, so that its logarithm exists: a third of a step of the encoder.
 constexpr double kLeast_m = 1e-5;
 constexpr double kLeast_s = 1e-3;
-constexpr double kSpeedSpan_s = 2, kSettling_s = 1, kTremble_s = 0.05, kImpact_s = 0.015,
-                 kVelocitySpan_s = 0.02;
+constexpr double kSpeedSpan_s = 2, kSettling_s = 1, kTremble_s = 0.05, kVelocitySpan_s = 0.02;
 constexpr double kLeavingSpeed_m_per_s = 0.01;
 
 double log_of_length(double length_m) { return portable::log(std::max(length_m, kLeast_m)); }
@@ -31,16 +30,11 @@ class Course {
         const double leave_s = first_leaving();
         if (!(speed_m_per_s > 0) || std::isnan(slow_s) || std::isnan(leave_s)) return std::nullopt;
         measure_hold();
-        return TrialFeatures{portable::log(speed_m_per_s),
-                             log_of_time(slow_s - touch_s_),
-                             log_of_length(deepest_m_),
-                             log_of_length(depth_m_),
-                             log_of_time(first_at_depth(0.9 * depth_m_) - contact_s_),
-                             log_of_length(wander_m_),
-                             log_of_length(tremble_m_),
-                             log_of_time(leave_s - beep_s_),
-                             log_of_length(at(contact_s_ + kImpact_s) - fixture_m_),
-                             log_of_length(deepest_m_ - depth_m_)};
+        return TrialFeatures{
+            portable::log(speed_m_per_s),  log_of_time(slow_s - touch_s_),
+            log_of_length(depth_m_),       log_of_time(first_at_depth(0.9 * depth_m_) - contact_s_),
+            log_of_length(wander_m_),      log_of_length(tremble_m_),
+            log_of_time(leave_s - beep_s_)};
     }
 
   private:
@@ -96,14 +90,12 @@ class Course {
         }
         wander_m_ = std::sqrt(wander_m_);
         tremble_m_ = std::sqrt(tremble_m_);
-        for (std::size_t i = index(contact_s_); i < end; ++i)
-            deepest_m_ = std::max(deepest_m_, samples_[i].position_needle_m - fixture_m_);
     }
 
     std::span<const TrajectorySample> samples_;
     double fixture_m_, beep_s_;
     double touch_s_ = std::nan(""), contact_s_ = std::nan("");
-    double depth_m_ = 0, deepest_m_ = 0, wander_m_ = 0, tremble_m_ = 0;
+    double depth_m_ = 0, wander_m_ = 0, tremble_m_ = 0;
 };
 
 }  // namespace

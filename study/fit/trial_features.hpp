@@ -1,4 +1,4 @@
-// What a fit looks at in one trial: ten numbers, logarithms of times, depths and speeds of the needle. No number depends on where
+// What a fit looks at in one trial: seven numbers, logarithms of times, depths and speeds of the needle. No number depends on where
 // the fixture was.
 #pragma once
 
@@ -11,17 +11,14 @@
 
 namespace thimble {
 
-inline constexpr std::array<std::string_view, 10> kFeatureNames{
-    "speed",          // of the insertion, before the contact with the fixture
-    "slowing",        // from the touch of the tissue until the needle slows down
-    "depth_maximum",  // of the penetration of the fixture
-    "depth_hold",     // mean from one second after the contact to the beep
-    "stopping",       // from the contact to nine tenths of that depth
-    "wander",         // rms about that mean
-    "tremble",        // rms of the movement within 50 ms
-    "withdrawal",     // from the beep until the needle moves out
-    "impact",         // movement within 15 ms of the contact
-    "overshoot",      // maximum depth less that of the hold
+inline constexpr std::array<std::string_view, 7> kFeatureNames{
+    "speed",       // of the insertion, before the contact with the fixture
+    "slowing",     // from the touch of the tissue until the needle slows down
+    "depth",       // of the penetration of the fixture, mean from one second after the contact to the beep
+    "stopping",    // from the contact to nine tenths of that depth
+    "wander",      // rms about that mean
+    "tremble",     // rms of the movement within 50 ms
+    "withdrawal",  // from the beep until the needle moves out
 };
 using TrialFeatures = std::array<double, kFeatureNames.size()>;
 
