@@ -19,6 +19,8 @@ struct Subcommand {
 Subcommand add_run(CLI::App& app, const std::string& typed);
 Subcommand add_stop(CLI::App& app);
 Subcommand add_study(CLI::App& app);
+Subcommand add_fit(CLI::App& app);
+Subcommand add_power(CLI::App& app, const std::string& typed);
 Subcommand add_play(CLI::App& app);
 Subcommand add_replay(CLI::App& app);
 Subcommand add_report(CLI::App& app, const std::string& typed);

@@ -16,6 +16,7 @@
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "session/participant/dataset.hpp"
+#include "study/fit/fit.hpp"
 #include "study/study.hpp"
 #include "study/sweeps/joint_draws.hpp"
 #include "study/sweeps/seed_sweep.hpp"
@@ -35,7 +36,7 @@ struct SweepRequest {
 
 struct StudyArguments {
     std::string session, out;
-    std::string experiment, order, axis;
+    std::string experiment, order, axis, from;
     std::vector<std::string> compensators;
     std::optional<std::uint32_t> subjects;
     std::optional<std::uint64_t> seed;
@@ -66,7 +67,8 @@ std::vector<std::filesystem::path> sessions_of(const StudyArguments& a) {
 }
 
 SystemSettings settings_of(const std::filesystem::path& file, const StudyArguments& a) {
-    SystemSettings settings = load_system_settings(file);
+    SystemSettings settings =
+        load_system_settings(file, a.from.empty() ? std::vector<SettingChange>{} : twin_of(a.from));
     require_virtual_subjects(settings, "study");
     if (!a.order.empty()) settings.plan.order = *parse_order(a.order);
     if (a.seed) settings.plan.seed = *a.seed;
@@ -81,7 +83,8 @@ StudyDesign design_of(const StudyArguments& a) {
     StudyDesign design;
     for (const std::filesystem::path& file : files) {
         design.settings = settings_of(file, a);
-        design.paper = design.paper && is_paper_session(file);
+        // A twin is one person: the paper's claims are about a population.
+        design.paper = design.paper && a.from.empty() && is_paper_session(file);
         for (Protocol& protocol : session_protocols(design.settings))
             design.protocols.push_back(std::move(protocol));
     }
@@ -111,6 +114,7 @@ std::string study_command(const StudyArguments& a, const StudyDesign& design) {
     std::string command = fmt::format("thimble study {} --seed {}", design.words, design.protocols[0].seed);
     if (a.subjects) command += fmt::format(" --subjects {}", *a.subjects);
     if (!a.order.empty()) command += " --order " + a.order;
+    if (!a.from.empty()) command += " --from " + a.from;
     if (a.no_control) command += " --no-control";
     if (a.axis != kCurveAxisNames[0]) command += " --axis " + a.axis;
     if (!a.compensators.empty()) command += fmt::format(" --compensators {}", fmt::join(a.compensators, ","));
@@ -302,7 +306,8 @@ void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Optio
                        "go on where an interrupted study of the same settings ended; the same bytes come out")
             ->excludes(overwrite);
     CLI::Option* json = study->add_flag("--json", a.json, "print summary.json on stdout");
-    for (CLI::Option* of_one_study : {no_control, compensators, trajectories, axis, resume, json}) {
+    CLI::Option* from = study->get_option("--from");
+    for (CLI::Option* of_one_study : {from, no_control, compensators, trajectories, axis, resume, json}) {
         for (CLI::Option* of_many : sweeps) of_one_study->excludes(of_many);
     }
 }
@@ -328,6 +333,11 @@ Subcommand add_study(CLI::App& app) {
         ->check(CLI::Range(1, 100000));
     study->add_option("--order", a.order, "of trials: shuffled, as in the paper, or williams (balanced)")
         ->check(CLI::IsMember({"shuffled", "williams"}));
+    study
+        ->add_option("--from", a.from,
+                     "the twin: every subject is the person of this fit (thimble fit), with another chance "
+                     "in every trial")
+        ->type_name("FIT");
     study->add_option("-s,--seed", a.seed,
                       "instead of [session] seed (1); the same seed gives the same bytes");
     study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
@@ -342,6 +352,7 @@ Subcommand add_study(CLI::App& app) {
         "  thimble study paper-experiment-3 --compensators wave,energy-bound --out out/controllers\n"
         "  thimble study my-session.toml --subjects 40 --order williams --out out/large\n"
         "  thimble study my-session.toml --subjects 40 --order williams --out out/large --resume\n"
+        "  thimble study --experiment 3 --from out/fit --subjects 1 --out out/twin\n"
         "docs/studies.md is the manual.");
     return {study, [arguments] { return run_one_study(*arguments); }};
 }

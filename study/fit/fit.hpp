@@ -1,0 +1,49 @@
+// thimble fit: the virtual operator that moves as one participant does in recorded trials.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/csv/csv_file.hpp"
+#include "session/records/trial_table.hpp"
+#include "session/settings/system_settings.hpp"
+#include "study/fit/fit_summary.hpp"
+#include "study/fit/operator_model.hpp"
+
+namespace thimble {
+
+struct FitOptions {
+    std::filesystem::path folder;  // trials.csv and trajectories/
+    std::uint32_t subject = 1;
+    std::filesystem::path out;
+    std::size_t simulations = 4000;  // trials
+    std::uint64_t seed = 1;
+    unsigned jobs = 0;  // threads; 0: one per core
+    IfExists if_exists = IfExists::kRefuse;
+    const std::atomic<bool>* stop = nullptr;
+};
+
+struct FitResult {
+    std::vector<KeySummary> keys;
+    std::size_t trials = 0, left_out = 0;  // of the recorded: used; without beep or without a feature
+    // The last trial of each condition, predicted from the others: features, and those inside their 90 % interval.
+    std::size_t held_out = 0, held_out_inside = 0;
+    bool complete = true;  // false: stopped; what was simulated is kept
+};
+
+// The settings with which a participant's trials are simulated: a person's handle becomes the simulated one.
+SystemSettings simulated_settings(SystemSettings settings);
+
+// Writes simulations.csv (a line per pair of trials, as it ends), posterior.csv and fit.json below options.out. Throws Error: usage or
+// data, naming the file or the trial that is missing.
+FitResult run_fit(const SystemSettings& settings, const FitOptions& options);
+
+// The medians of a fit, from its folder or its fit.json, as keys of a session file. Throws Error (data).
+std::vector<SettingChange> read_fit(const std::filesystem::path& fit);
+// The same, and no spread between subjects: everybody is this person.
+std::vector<SettingChange> twin_of(const std::filesystem::path& fit);
+
+}  // namespace thimble

@@ -1,0 +1,76 @@
+#include "study/fit/recorded_trials.hpp"
+
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/error.hpp"
+#include "session/records/condition_summary.hpp"
+#include "session/records/trajectory_file.hpp"
+#include "session/records/trial_table.hpp"
+
+namespace thimble {
+namespace {
+
+std::vector<TrialRow> rows_of_subject(const std::filesystem::path& table, std::uint32_t subject) {
+    if (!std::filesystem::exists(table))
+        throw Error(ExitCode::kData, "{}: is not there; name the folder of a thimble study or thimble run",
+                    table.string());
+    std::vector<TrialRow> own;
+    std::set<std::uint32_t> subjects;
+    for (const TrialRow& row : without_removals(read_trial_table(table))) {
+        subjects.insert(row.conditions.subject);
+        if (row.conditions.subject == subject) own.push_back(row);
+    }
+    if (own.empty())
+        throw Error(ExitCode::kData, "{}: has no trial of subject {}; it has those of {}", table.string(),
+                    subject, fmt::join(subjects, ", "));
+    return own;
+}
+
+std::filesystem::path trajectory_of(const std::filesystem::path& folder, const TrialConditions& conditions) {
+    std::filesystem::path file = find_trajectory(folder / "trajectories", conditions);
+    if (!file.empty()) return file;
+    throw Error(ExitCode::kData, "{}: has no {}; run the study with --trajectories, or copy the folder whole",
+                (folder / "trajectories").string(), trajectory_name(conditions));
+}
+
+void require_two_of_each(const RecordedTrials& recorded, std::uint32_t subject) {
+    std::vector<TrialConditions> conditions;
+    conditions.reserve(recorded.trials.size());
+    for (const ObservedTrial& trial : recorded.trials) conditions.push_back(trial.conditions);
+    if (conditions.empty())
+        throw Error(ExitCode::kData,
+                    "subject {}: no trial came to its beep, so there is nothing to fit; record trials with "
+                    "less delay",
+                    subject);
+    for (const FitGroup& group : fit_groups(conditions)) {
+        if (group.trials.size() > 1) continue;
+        throw Error(ExitCode::kData,
+                    "subject {}: has one usable trial with {} at {}, and a fit needs two: record more",
+                    subject, to_string(group.modality), delay_text(group.delay_s));
+    }
+}
+
+}  // namespace
+
+RecordedTrials recorded_trials(const std::filesystem::path& folder, std::uint32_t subject) {
+    RecordedTrials recorded;
+    for (const TrialRow& row : rows_of_subject(folder / "trials.csv", subject)) {
+        const double beep_s = row.metrics.puncture_time_s + row.metrics.completion_time_s;
+        std::optional<TrialFeatures> features;
+        if (row.metrics.beeped && ran_to_its_end(row)) {
+            const Trajectory trajectory = read_trajectory(trajectory_of(folder, row.conditions));
+            features = trial_features(trajectory.samples, row.conditions.fixture_position_m, beep_s);
+        }
+        if (features)
+            recorded.trials.push_back({row.conditions, *features});
+        else
+            ++recorded.left_out;
+    }
+    require_two_of_each(recorded, subject);
+    return recorded;
+}
+
+}  // namespace thimble

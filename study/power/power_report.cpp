@@ -1,0 +1,134 @@
+#include "study/power/power_report.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "analysis/findings.hpp"
+#include "analysis/report/report.hpp"
+#include "analysis/tables/study_columns.hpp"
+#include "common/json_text.hpp"
+#include "common/text_file.hpp"
+#include "common/version.hpp"
+
+namespace thimble {
+namespace {
+
+std::string needed_text(const std::optional<std::size_t>& subjects) {
+    return subjects ? std::to_string(*subjects) : fmt::format("more than {}", kMostPowerSubjects);
+}
+
+std::string goal_text(const PowerOptions& options) {
+    if (!options.precision_m && !options.precision_s) return fmt::format("power {:g}", options.power);
+    return fmt::format("an interval as narrow as asked in {:g} of studies", options.power);
+}
+
+// A panel per measure, a line per pair: power over subjects.
+FigureSource power_figure(const PowerResult& result, double delay_s, std::size_t number) {
+    FigureSource figure;
+    figure.name = fmt::format("power_{}", number);
+    figure.title = "Power at " + delay_text(delay_s);
+    figure.caption = "Share of drawn studies in which a pair comes out, by the number of virtual subjects.";
+    const std::vector<Metric> metrics = measures_of(3);
+    figure.script = gnuplot_preamble(figure.name, 960, 340) +
+                    fmt::format(
+                        "set multiplot layout 1,{}\nset xlabel 'subjects'\nset ylabel 'power'\n"
+                        "set yrange [0:1.02]\nset xrange [0:{}]\nset key bottom right\n",
+                        metrics.size(), kMostPowerSubjects);
+    std::size_t block = 0;
+    for (const Metric metric : metrics) {
+        std::string lines;
+        for (const PowerComparison& c : result.comparisons) {
+            if (c.metric != metric || !same_delay(c.delay_s, delay_s) || c.curve.empty()) continue;
+            for (const auto& [subjects, power] : c.curve) {
+                write_cell(figure.data, static_cast<double>(subjects));
+                write_cell(figure.data, power);
+                figure.data += '\n';
+            }
+            figure.data += "\n\n";
+            lines += fmt::format("{}'{}.tsv' index {} with linespoints title '{} - {}'",
+                                 lines.empty() ? "" : ", ", figure.name, block++, c.first, c.second);
+        }
+        figure.script += fmt::format("set title '{}'\n", name_of(metric));
+        if (!lines.empty()) figure.script += "plot " + lines + "\n";
+    }
+    figure.script += "unset multiplot\n";
+    return figure;
+}
+
+nlohmann::ordered_json json_or_null(const std::optional<std::size_t>& subjects) {
+    return subjects ? nlohmann::ordered_json(*subjects) : nlohmann::ordered_json();
+}
+
+nlohmann::ordered_json to_json(const PowerComparison& c, std::uint32_t trials) {
+    nlohmann::ordered_json json{{"comparison", name_of(c)},
+                                {"measure", info(c.metric).name},
+                                {"first", c.first},
+                                {"second", c.second},
+                                {"delay_s", c.delay_s},
+                                {"difference", c.difference},
+                                {"subjects", json_or_null(c.subjects.at(trials))}};
+    for (const auto& [count, subjects] : c.subjects)
+        json["subjects_by_trials"][std::to_string(count)] = json_or_null(subjects);
+    json["curve"] = c.curve;
+    return json;
+}
+
+}  // namespace
+
+std::vector<ReportTable> power_tables(const PowerResult& result, const PowerOptions& options) {
+    std::vector<ReportTable> tables;
+    for (const double delay_s : options.delays_s) {
+        ReportTable table{
+            fmt::format("Virtual subjects needed at {} for {}", delay_text(delay_s), goal_text(options)),
+            "Columns: trials of each subject and modality.",
+            {"comparison", "difference"}};
+        for (const PowerComparison& c : result.comparisons) {
+            if (!same_delay(c.delay_s, delay_s)) continue;
+            std::vector<std::string> row{fmt::format("{} - {}, {}", c.first, c.second, name_of(c.metric)),
+                                         shown_text(c.difference, c.metric)};
+            for (auto it = c.subjects.rbegin(); it != c.subjects.rend(); ++it) {
+                if (table.rows.empty()) table.columns.push_back(std::to_string(it->first));
+                row.push_back(needed_text(it->second));
+            }
+            table.rows.push_back(std::move(row));
+        }
+        tables.push_back(std::move(table));
+    }
+    return tables;
+}
+
+nlohmann::ordered_json to_json(const PowerResult& result, const PowerOptions& options) {
+    nlohmann::ordered_json json{{"power", options.power},
+                                {"delays_s", options.delays_s},
+                                {"virtual_subjects", options.pool},
+                                {"trials", options.trials},
+                                {"seed", options.seed}};
+    if (options.precision_m) json["precision_m"] = *options.precision_m;
+    if (options.precision_s) json["precision_s"] = *options.precision_s;
+    json["comparisons"] = nlohmann::ordered_json::array();
+    for (const PowerComparison& c : result.comparisons)
+        json["comparisons"].push_back(to_json(c, options.trials));
+    return json;
+}
+
+void write_power_report(const PowerResult& result, const PowerOptions& options, const std::string& command,
+                        const std::filesystem::path& out) {
+    make_folder(out);
+    write_text_file(out / "power.json", json_text(to_json(result, options), 2) + "\n");
+    std::vector<FigureSource> figures;
+    for (std::size_t i = 0; i < options.delays_s.size(); ++i)
+        figures.push_back(power_figure(result, options.delays_s[i], i + 1));
+    ReportSection section;
+    section.title = "Virtual subjects needed";
+    section.text = fmt::format(
+        "Studies are drawn from {} virtual subjects and judged as findings are: signed ranks, all pairs of a "
+        "measure at once.",
+        options.pool);
+    section.drawn = draw_figures(std::move(figures), out);
+    section.tables = power_tables(result, options);
+    ReportInput report{"Thimble: how many subjects a study needs", {section}, {}};
+    report.provenance = {{"command", command}, {"seed", std::to_string(options.seed)}, {"version", kVersion}};
+    write_report(report, out / "report.html");
+}
+
+}  // namespace thimble

@@ -1,0 +1,23 @@
+// What thimble power says: tables, JSON, and a page with curves.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "analysis/text/html.hpp"
+#include "study/power/power.hpp"
+
+namespace thimble {
+
+// A table per delay: subjects needed for each comparison, by trials per modality.
+std::vector<ReportTable> power_tables(const PowerResult& result, const PowerOptions& options);
+// An object with what was asked, and `comparisons`; null where kMostPowerSubjects are not enough.
+nlohmann::ordered_json to_json(const PowerResult& result, const PowerOptions& options);
+// Writes power.json, report.html and figures/. Throws Error where a file cannot be written.
+void write_power_report(const PowerResult& result, const PowerOptions& options, const std::string& command,
+                        const std::filesystem::path& out);
+
+}  // namespace thimble
