@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/findings.hpp"
+#include "analysis/report/order_tables.hpp"
 #include "analysis/report/report.hpp"
 #include "analysis/report/study_figures.hpp"
 #include "common/process/progress.hpp"
@@ -154,8 +155,11 @@ class Study {
     ReportSection section(std::uint32_t experiment, const StudyFigures& figures) const {
         std::vector<GroupFindings> own = findings_;
         std::erase_if(own, [&](const GroupFindings& group) { return group.experiment != experiment; });
-        return trials_section(title_of(experiment), of_experiment(result_.rows, experiment), own,
-                              figures.experiments.at(experiment));
+        const std::vector<TrialRow> rows = of_experiment(result_.rows, experiment);
+        ReportSection section =
+            trials_section(title_of(experiment), rows, own, figures.experiments.at(experiment));
+        for (ReportTable& table : order_tables(rows)) section.tables.push_back(std::move(table));
+        return section;
     }
 
     std::string title_of(std::uint32_t experiment) const {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kFeatures = kFeatureNames.size();
 // Weight of "no slope", in pairs. In logarithms most relations are straight: products of traits need many pairs to be believed.
-constexpr double kLinearPrior = 0.1, kSquarePrior = 300, kScalePrior = 20;
+constexpr double kLinearPrior = 0.1, kSquarePrior = 1000, kScalePrior = 20;
 // Mean of log(z^2), z standard normal.
 constexpr double kMeanLogSquare = -1.2703628454614782;
 constexpr double kLeastScale = 1e-4;

@@ -10,6 +10,7 @@
 
 #include "analysis/claims/claims.hpp"
 #include "analysis/findings.hpp"
+#include "analysis/report/order_tables.hpp"
 #include "analysis/report/report.hpp"
 #include "common/json_text.hpp"
 #include "session/participant/counted_trials.hpp"
@@ -28,7 +29,8 @@ struct AnalyseArguments {
 struct Analysis {
     std::vector<std::string> counted;  // which trials of a dataset count, and why others do not
     std::vector<GroupFindings> findings;
-    std::vector<Claim> claims;  // empty unless the design is the paper's
+    std::vector<ReportTable> order;  // mixed models on single trials
+    std::vector<Claim> claims;       // empty unless the design is the paper's
 };
 
 // With the same trials without delay, where the study had them.
@@ -70,6 +72,7 @@ Analysis analyse(const std::filesystem::path& given) {
     Analysis analysis;
     const std::vector<TrialRow> rows = rows_of(given, analysis.counted);
     analysis.findings = findings_of(rows);
+    analysis.order = order_tables(rows);
     if (has_papers_design(given, rows)) analysis.claims = judge_claims(rows, no_lag_rows(given));
     return analysis;
 }
@@ -84,6 +87,7 @@ void say(const Analysis& analysis) {
     for (const std::string& line : analysis.counted) fmt::print("{}\n", line);
     for (const std::string& sentence : answer(analysis.findings)) fmt::print("{}\n", sentence);
     for (const ReportTable& table : finding_tables(analysis.findings)) fmt::print("\n{}", plain_table(table));
+    for (const ReportTable& table : analysis.order) fmt::print("\n{}", plain_table(table));
     if (analysis.claims.empty()) return;
     const ReportTable table = claims_table(analysis.claims);
     if (!table.rows.empty()) fmt::print("\n{}", plain_table(table));
