@@ -8,6 +8,7 @@
 
 #include "session/settings/protocol.hpp"
 #include "study/fit/calibration.hpp"
+#include "study/fit/fit_summary.hpp"
 #include "study/ordered_workers.hpp"
 
 namespace thimble {

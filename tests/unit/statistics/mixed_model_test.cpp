@@ -1,6 +1,6 @@
 #include "analysis/statistics/mixed_model.hpp"
 
-#include "golden.hpp"
+#include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {
 namespace {
