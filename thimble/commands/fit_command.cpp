@@ -88,7 +88,7 @@ Subcommand add_fit(CLI::App& app) {
         ->default_val("out/fit");
     fit->add_option("--simulations", a.fit.simulations, "trials to learn from; more make intervals narrower")
         ->default_val(4000)
-        ->check(CLI::Range(160, 10000000));
+        ->check(CLI::Range(800, 10000000));
     fit->add_option("-s,--seed", a.fit.seed, "of the simulated people; the same seed gives the same bytes")
         ->default_val(1);
     fit->add_option("-j,--jobs", a.fit.jobs, "threads, 0: one per core; the results do not depend on it")
