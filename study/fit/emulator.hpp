@@ -1,4 +1,4 @@
-// What trials of one condition look like for a person of given traits, learned from simulated trials: a quadratic regression of the
+// Predicts the features of trials of one condition from a person's traits. Simulated trials teach it: a quadratic regression of the
 // features on the traits, and the scatter about it. It replaces the simulation where a fit needs it a million times
 // (synthetic likelihood: S. N. Wood, "Statistical inference for noisy nonlinear ecological dynamic systems", Nature 466, 2010).
 #pragma once

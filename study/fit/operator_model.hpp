@@ -30,7 +30,7 @@ struct FitGroup {
 };
 std::vector<FitGroup> fit_groups(std::span<const TrialConditions> trials);
 
-// What a model learns from: pair i of trials, group after group, each of another person of the population, under the conditions of two
+// Pair i of the trials from which a model learns: group after group, each of another person of the population, under the conditions of two
 // of the recorded trials in turn. People of different seeds are different.
 std::array<TrialConditions, 2> training_pair(std::span<const FitGroup> groups, std::uint64_t seed,
                                              std::size_t i);

@@ -41,7 +41,7 @@ std::vector<std::optional<SimulatedPair>> read_pairs(const std::filesystem::path
     return pairs;
 }
 
-// What an earlier fit in this folder left, and the plan by which it can be told from another.
+// Reads the pairs of an earlier fit in this folder. The plan says whether it was the same fit.
 std::vector<std::optional<SimulatedPair>> prepare_fit(const std::filesystem::path& folder, IfExists if_exists,
                                                       const std::string& plan) {
     make_folder(folder);

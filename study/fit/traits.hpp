@@ -1,5 +1,5 @@
-// What a fit estimates: the traits that are drawn for each virtual subject, as independent standard normal numbers, and the keys of
-// a session file that they decide.
+// The traits that a fit estimates, and the keys of a session file that they decide. Each virtual subject draws its traits as
+// independent standard normal numbers.
 #pragma once
 
 #include <cstddef>

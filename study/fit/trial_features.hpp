@@ -1,4 +1,4 @@
-// What a fit looks at in one trial: seven numbers, logarithms of times, depths and speeds of the needle. No number depends on where
+// The features of one trial that a fit compares: seven logarithms of times, depths and speeds of the needle. No number depends on where
 // the fixture was.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What thimble power says: tables, JSON, and a page with curves.
+// The output of thimble power: tables, JSON, and a page with curves.
 #pragma once
 
 #include <filesystem>
