@@ -80,10 +80,10 @@ class Fitter {
             options_.stop);
         Progress progress;
         while (training_.size() < pairs) {
-            auto pair = workers.take();
+            const auto pair = workers.take();
             if (!pair) return result_.complete = false;
             file.append(*pair);
-            training_.push_back(std::move(*pair));
+            training_.push_back(*pair);
             progress.show(fmt::format("{}/{} trials simulated", 2 * training_.size(), 2 * pairs),
                           training_.size() % (pairs / 4 + 1) == 0);
         }

@@ -1,4 +1,4 @@
-// The traits that a fit estimates are those that are drawn for a virtual subject.
+// A fit estimates the traits that a virtual subject draws.
 #include "study/fit/traits.hpp"
 
 #include <cmath>
