@@ -44,15 +44,20 @@ class InboundFlow {
     // `use`; the others are counted.
     template <class Wanted, class Use>
     void drain(SessionTime now, Channel& channel, bool running, std::uint32_t trial, Use&& use) {
+        drain_all(now, channel, running, trial, [&](const Message& message) {
+            const auto* body = std::get_if<Wanted>(&message.body);
+            if (body != nullptr) use(message.header, *body);
+            return body != nullptr;
+        });
+    }
+    // The same where several kinds arrive: `use` says whether the message makes sense there.
+    template <class Use>
+    void drain_all(SessionTime now, Channel& channel, bool running, std::uint32_t trial, Use&& use) {
         filter_ = true;
         running_ = running;
         trial_ = trial;
         while (const Message* message = receive(now, channel)) {
-            if (const auto* body = std::get_if<Wanted>(&message->body)) {
-                use(message->header, *body);
-            } else {
-                refuse_admitted(Refusal::kUnexpectedKind);
-            }
+            if (!use(*message)) refuse_admitted(Refusal::kUnexpectedKind);
         }
     }
 

@@ -26,7 +26,7 @@ constexpr std::array<Flow, kPortCount> kFlows{{
     {Role::kSlaveSim, Role::kNetem, "needle", "/master/needle_command"},
     {Role::kCutaneous, Role::kNetem, "force", "/slave_sim/force_feedback/cutaneous"},
     {Role::kVisual, Role::kNetem, "force", "/slave_sim/force_feedback/visual"},
-    {Role::kVisual, Role::kSlaveSim, "beep", "/slave_sim/beep"},
+    {Role::kVisual, Role::kSlaveSim, "scene, beep", "/slave_sim/scene"},
     {Role::kNetem, Role::kMaster, "needle", "/master/needle_command"},
     {Role::kNetem, Role::kSlaveSim, "force for master", "/slave_sim/force_feedback/master"},
     {Role::kNetem, Role::kSlaveSim, "force for cutaneous", "/slave_sim/force_feedback/cutaneous"},

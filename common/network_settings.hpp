@@ -37,7 +37,7 @@ enum class Port : std::uint16_t {
     kSlaveNeedle,
     kCutaneousForce,
     kVisualForce,
-    kVisualBeep,
+    kVisualScene,
     kNetemNeedle,
     kNetemForceMaster,
     kNetemForceCutaneous,

@@ -16,7 +16,7 @@ SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings
       to_others_(Role::kSlaveSim, instance,
                  {ports.outlet(Port::kNetemForceCutaneous), ports.outlet(Port::kNetemForceVisual),
                   ports.outlet(Port::kSessionRecord)}),
-      beep_flow_(Role::kSlaveSim, instance, {ports.outlet(Port::kVisualBeep)}),
+      to_eyes_(Role::kSlaveSim, instance, {ports.outlet(Port::kVisualScene)}),
       stale_after_(settings.stale_after),
       node_(settings) {
     join_stop_bus(ports);
@@ -77,12 +77,13 @@ void SlaveProcess::send(SessionTime now, const ForceFeedback& feedback) {
         to_master_.send(now, trial(), feedback);
     }
     to_others_.send(now, trial(), feedback);
+    to_eyes_.send(now, trial(), feedback);
 }
 
 void SlaveProcess::send_beep(SessionTime now) {
     SessionControl beep;
     beep.kind = ControlKind::kBeep;
-    beep_flow_.send(now, trial(), beep);
+    to_eyes_.send(now, trial(), beep);
     next_beep_ = --beeps_left_ > 0 ? now + kBeepInterval : kNever;
 }
 

@@ -36,7 +36,7 @@ class SlaveProcess final : public NodeProcess {
     Channel* needle_in_;  // from the master, through netem
     // Answers, through netem but for the session's recorder. The master's copy leaves first: the loop waits for that one.
     OutboundFlow to_master_, to_others_;
-    OutboundFlow beep_flow_;  // the experiment's beep is not part of the delayed path
+    OutboundFlow to_eyes_;  // picture and beep, which no network delays
     Duration stale_after_;
     SlaveNode node_;
     StaleRecord stale_record_;

@@ -29,14 +29,11 @@ void VisualNode::start_trial(SessionTime now, const SessionControl& control, std
 
 void VisualNode::end_trial(SessionTime) { running_ = false; }
 
-void VisualNode::on_feedback(SessionTime now, const ForceFeedback& feedback, SessionTime answered) {
+void VisualNode::on_picture(SessionTime now, const ForceFeedback& feedback, SessionTime answered) {
     if (!running_) return;
     if (newest_.arrived == kNever) newest_.position_rest_m = feedback.position_surface_m;
     newest_.position_needle_m = feedback.position_needle_m;
     newest_.position_surface_m = feedback.position_surface_m;
-    // Written so that a NaN is no force.
-    newest_.force_resisting_N = feedback.force_total_N < 0 ? -feedback.force_total_N : 0.0;
-    newest_.force_drawing_N = feedback.force_total_N > 0 ? feedback.force_total_N : 0.0;
     newest_.touching =
         feedback.phase != TissuePhase::kFree || feedback.position_needle_m >= feedback.position_surface_m;
     newest_.arrived = now;
@@ -50,6 +47,19 @@ void VisualNode::on_feedback(SessionTime now, const ForceFeedback& feedback, Ses
                      feedback.phase,
                      modality_,
                      feedback.fixture_present};
+}
+
+void VisualNode::on_force(SessionTime now, const ForceFeedback& feedback) {
+    if (!running_) return;
+    // Written so that a NaN is no force.
+    newest_.force_resisting_N = feedback.force_total_N < 0 ? -feedback.force_total_N : 0.0;
+    newest_.force_drawing_N = feedback.force_total_N > 0 ? feedback.force_total_N : 0.0;
+    newest_.force_arrived = now;
+}
+
+// Of the force. One that has not come yet is not late: its first may take the network's whole delay.
+Duration VisualNode::silence(SessionTime now) const {
+    return newest_.force_arrived == kNever ? Duration{} : now - newest_.force_arrived;
 }
 
 std::optional<Scene> VisualNode::frame(SessionTime now) {
@@ -68,9 +78,8 @@ std::optional<Scene> VisualNode::frame(SessionTime now) {
 }
 
 void VisualNode::add_what_pictures_need(SessionTime now, Scene& scene) const {
-    const Duration silence = now - newest_.arrived;
-    const double share = running_ ? settings_.stale.share(silence) : 0;
-    scene.stale = running_ && settings_.stale.stale(silence);
+    const double share = running_ ? settings_.stale.share(silence(now)) : 0;
+    scene.stale = running_ && settings_.stale.stale(std::max(silence(now), now - newest_.arrived));
     scene.position_surface_rest_m = newest_.position_rest_m;
     scene.bar_shown = modality_ == Modality::kVF;
     scene.fingertip_shown =
@@ -97,7 +106,7 @@ void VisualNode::schedule_after(SessionTime now) {
 
 double VisualNode::bar_N(SessionTime now) const {
     if (modality_ != Modality::kVF || !running_) return 0;
-    const double share = settings_.stale.share(now - newest_.arrived);
+    const double share = settings_.stale.share(silence(now));
     const double full_N = settings_.bar_full_scale_N;
     const double pixels = static_cast<double>(settings_.bar_resolution);
     return std::floor(std::min(share * newest_.force_resisting_N, full_N) / full_N * pixels) * full_N /

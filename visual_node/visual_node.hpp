@@ -21,10 +21,12 @@ class VisualNode {
     void start_trial(SessionTime now, const SessionControl& control, std::uint32_t trial);
     // One more frame will come, with an empty bar.
     void end_trial(SessionTime now);
-    // Feedback of this trial, in order (the caller's sequence tracking sees to both). `answered`: its header's stamp.
-    void on_feedback(SessionTime now, const ForceFeedback& feedback, SessionTime answered = {});
+    // Of this trial, in order (the caller's sequence tracking sees to both). Needle and surface come from the one, bar and
+    // fingers from the other. `answered`: its header's stamp.
+    void on_picture(SessionTime now, const ForceFeedback& feedback, SessionTime answered = {});
+    void on_force(SessionTime now, const ForceFeedback& feedback);
 
-    // The next frame to draw; nothing before next_frame() and before the first feedback of a trial.
+    // The next frame to draw; nothing before next_frame() and before the first picture of a trial.
     std::optional<Scene> frame(SessionTime now);
     // kNever unless a trial runs (or its last frame is due).
     SessionTime next_frame() const { return next_frame_; }
@@ -41,13 +43,14 @@ class VisualNode {
         double force_resisting_N = 0;  // >= 0
         double force_drawing_N = 0;    // >= 0: into the tissue
         bool touching = false;
-        SessionTime arrived = kNever;  // kNever: none in this trial
-        double position_rest_m = 0;    // the surface in the first one
+        SessionTime arrived = kNever, force_arrived = kNever;  // kNever: none in this trial
+        double position_rest_m = 0;                            // the surface in the first one
         SessionTime hand_time{}, answered{};
         CutAway whole;
     };
 
     void schedule_after(SessionTime now);
+    Duration silence(SessionTime now) const;
     double bar_N(SessionTime now) const;
     void add_what_pictures_need(SessionTime now, Scene& scene) const;
 

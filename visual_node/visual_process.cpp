@@ -9,6 +9,7 @@ VisualProcess::VisualProcess(std::uint64_t instance, const VisualSettings& setti
       node_(settings),
       display_(&display),
       stale_(settings.stale),
+      picture_delayed_(settings.picture_delayed),
       percept_flow_(Role::kVisual, instance, {channels.percept_out}),
       hand_flow_(instance, channels.hand_out, hand),
       go_on_(settings.subject_goes_on) {}
@@ -18,7 +19,7 @@ VisualProcess::VisualProcess(std::uint64_t instance, const VisualSettings& setti
     : VisualProcess(
           instance, settings,
           {ports.between(Port::kVisualControl, Port::kSessionVisual), ports.inlet(Port::kVisualForce),
-           ports.inlet(Port::kVisualBeep), ports.outlet(Port::kMasterPerceptVisual),
+           ports.inlet(Port::kVisualScene), ports.outlet(Port::kMasterPerceptVisual),
            hand != nullptr ? ports.outlet(Port::kMasterHand) : nullptr},
           display, hand) {
     join_stop_bus(ports);
@@ -30,16 +31,14 @@ void VisualProcess::begin_trial(SessionTime now, const SessionControl& control) 
     display_->turn_page(now, Page{});
     go_on_.turn(now, Page{});
     force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
+    scene_flow_.expect_from(now);
 }
 
 void VisualProcess::work(SessionTime now) {
-    force_flow_.drain<ForceFeedback>(now, *channels_.force_in, running(), trial(),
-                                     [&](const Header& header, const ForceFeedback& feedback) {
-                                         node_.on_feedback(now, feedback, header.send_time);
-                                     });
+    take_force(now);
     if (running()) stale_record_.watch(now, trial(), stale_.stale(now - force_flow_.last_accepted()));
     hand_flow_.work(now, running(), trial());
-    take_beep(now);
+    take_scene(now);
     ask_to_go_on(now);
     if (const auto scene = node_.frame(now)) display_->draw(now, *scene);
     while (const auto shown = display_->shown(now)) {
@@ -65,20 +64,36 @@ void VisualProcess::ask_to_go_on(SessionTime now) {
     tell_session(now, order);
 }
 
-void VisualProcess::take_beep(SessionTime now) {
-    beep_flow_.drain<SessionControl>(now, *channels_.beep_in, running(), trial(),
-                                     [&](const Header&, const SessionControl& control) {
-                                         if (control.kind != ControlKind::kBeep || beeped_trial_ == trial())
-                                             return;
-                                         beeped_trial_ = trial();
-                                         display_->beep(now);
-                                         percept_flow_.send(now, trial(), node_.beep(now));
+void VisualProcess::take_force(SessionTime now) {
+    force_flow_.drain<ForceFeedback>(now, *channels_.force_in, running(), trial(),
+                                     [&](const Header& header, const ForceFeedback& feedback) {
+                                         if (picture_delayed_)
+                                             node_.on_picture(now, feedback, header.send_time);
+                                         node_.on_force(now, feedback);
                                      });
+}
+
+void VisualProcess::take_scene(SessionTime now) {
+    scene_flow_.drain_all(now, *channels_.scene_in, running(), trial(), [&](const Message& message) {
+        const auto* control = std::get_if<SessionControl>(&message.body);
+        if (control != nullptr && control->kind == ControlKind::kBeep) beep(now);
+        const auto* feedback = std::get_if<ForceFeedback>(&message.body);
+        if (feedback != nullptr && !picture_delayed_)
+            node_.on_picture(now, *feedback, message.header.send_time);
+        return control != nullptr || feedback != nullptr;
+    });
+}
+
+void VisualProcess::beep(SessionTime now) {
+    if (beeped_trial_ == trial()) return;
+    beeped_trial_ = trial();
+    display_->beep(now);
+    percept_flow_.send(now, trial(), node_.beep(now));
 }
 
 void VisualProcess::add_counters(FlowCounters& sum) const {
     sum.add(force_flow_.counters());
-    sum.add(beep_flow_.counters());
+    sum.add(scene_flow_.counters());
 }
 
 }  // namespace thimble

@@ -1,4 +1,4 @@
-// visual_node: force feedback in (through netem), frames to the display, percepts out when a frame has become
+// visual_node: force in (through netem), picture in (direct), frames to the display, percepts out when a frame has become
 // visible, the beep at once; between trials the subject's request to go on, where the protocol allows it.
 #pragma once
 
@@ -17,7 +17,7 @@ class VisualProcess final : public NodeProcess {
     struct Channels {
         Channel* control = nullptr;
         Channel* force_in = nullptr;     // from slave_sim, through netem
-        Channel* beep_in = nullptr;      // from slave_sim, direct
+        Channel* scene_in = nullptr;     // from slave_sim, direct: picture and beep
         Channel* percept_out = nullptr;  // to the virtual operator: light and sound, not network
         Channel* hand_out = nullptr;     // to the master, where a person's hand is read here
     };
@@ -53,16 +53,19 @@ class VisualProcess final : public NodeProcess {
     void add_counters(FlowCounters& sum) const override;
 
   private:
-    void take_beep(SessionTime now);
+    void take_force(SessionTime now);
+    void take_scene(SessionTime now);
+    void beep(SessionTime now);
     void ask_to_go_on(SessionTime now);
 
     Channels channels_;
     VisualNode node_;
     Display* display_;
     StalePolicy stale_;
+    bool picture_delayed_;
     StaleRecord stale_record_;
     InboundFlow force_flow_{Role::kSlaveSim};
-    InboundFlow beep_flow_{Role::kSlaveSim};
+    InboundFlow scene_flow_{Role::kSlaveSim};
     OutboundFlow percept_flow_;
     HandFlow hand_flow_;
     GoOnRequest go_on_;

@@ -18,6 +18,7 @@ struct VisualSettings {
     double bar_full_scale_N = kBarFullScale_N;
     std::int64_t bar_resolution = 400;
     StalePolicy stale{StaleMode::kZero};
+    bool picture_delayed = false;
     bool window = false;
     bool refresh_given =
         false;  // a window takes scenes as often as they come, unless the file says how often
@@ -53,6 +54,8 @@ inline VisualSettings read_visual_settings(const ConfigTable& table) {
                "Of the longest bar; equal to [operator] full_scale_bar_N.");
     table.read("bar_resolution", node.bar_resolution, 1, 10'000, "The longest bar in pixels.");
     node.stale = read_stale_policy(table, node.stale, std::chrono::milliseconds{2}, std::chrono::seconds{10});
+    table.read("picture_delayed", node.picture_delayed,
+               "Needle and surface come with the force, as late as it; else at once, as in the paper.");
     table.read("display", node.window, {"recording", "window"},
                "Where frames go; a window needs a screen (docs/visual.md).");
     table.read("smoothing_s", node.smoothing, 0, 0.1,

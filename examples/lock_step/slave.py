@@ -70,7 +70,7 @@ class Slave:
         self.newest, self.touched_ns = number, (self.touched_ns or sampled_ns) if beyond_m > 0 else None
         contact_ns = sampled_ns - (self.touched_ns or sampled_ns)
         self.send(now, FEEDBACK, (needle_m, SURFACE_m, 0, needle_m - beyond_m, tissue_N, fixture_N, tissue_N + fixture_N, contact_ns / 1e9,
-                                  sampled_ns, 0, number, 2 * (depth_m > 0), self.fixture_m < math.inf, False), *NETEM, RECORD)
+                                  sampled_ns, 0, number, 2 * (depth_m > 0), self.fixture_m < math.inf, False), *NETEM, RECORD, DISPLAY)
         if contact_ns >= self.hold_ns and not self.beeped:
             self.beeped = True
             self.send(now, ORDER, (0, 0, 0, 0, b'', 0, 0, BEEP, 0, False, 0), DISPLAY)

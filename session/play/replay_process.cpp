@@ -56,7 +56,7 @@ ReplayProcess::ReplayProcess(std::uint64_t instance, const RecordedTrial& trial,
       clock_(trial.duration_s(), speed),
       control_(Role::kSession, instance, {channels.control}),
       force_(Role::kSlaveSim, instance, {channels.force}),
-      beep_(Role::kSlaveSim, instance, {channels.beep}),
+      scene_(Role::kSlaveSim, instance, {channels.scene}),
       monitor_(Role::kSession, instance,
                {channels.views.experimenter_monitor, channels.views.player_monitor}),
       experimenter_(*channels.views.experimenter_orders, *this),
@@ -101,14 +101,16 @@ void ReplayProcess::steer(SessionTime now) {
 // Also while it stands still: the newest state is said again, or the screen would think slave_sim dead.
 void ReplayProcess::show(SessionTime now) {
     const double time_s = clock_.time_s(now);
-    const double seen_s = time_s - trial_->delay_s(time_s);
-    force_.send(now, number_, trial_->feedback(trial_->at(seen_s)));
+    const double felt_s = time_s - trial_->delay_s(time_s);
+    force_.send(now, number_, trial_->feedback(trial_->at(felt_s)));
+    scene_.send(now, number_, trial_->feedback(trial_->at(time_s)));
     beep(now, time_s);
 }
 
 // A dimple is drawn against the surface of a trial's first sample, wherever the replay begins.
 void ReplayProcess::rest(SessionTime now) {
     force_.send(now, number_, trial_->feedback(trial_->record.samples.front()));
+    scene_.send(now, number_, trial_->feedback(trial_->record.samples.front()));
 }
 
 // Said several times, as slave_sim does: UDP may lose it, and the node beeps once per trial.
@@ -117,7 +119,7 @@ void ReplayProcess::beep(SessionTime now, double shown_s) {
     SessionControl control;
     control.kind = ControlKind::kBeep;
     if (beeps_ == kBeepsSaid) return;
-    beep_.send(now, number_, control);
+    scene_.send(now, number_, control);
     ++beeps_;
 }
 

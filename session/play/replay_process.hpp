@@ -1,5 +1,5 @@
 // Shows a recorded trial: plays the session and slave_sim to thimble-visual, and the session to a view. The subject's screen gets
-// what it got then, later by the delay of then; the Monitor is undelayed, as always. Views also hear what their scrub bars are
+// the picture at once and the force later by the delay of then; the Monitor is undelayed, as always. Views also hear what their scrub bars are
 // made of (ReplayState). No clock, no socket.
 #pragma once
 
@@ -42,7 +42,7 @@ class ReplayProcess final : public Process, public OrderHandler {
     struct Channels {
         Channel* control;  // with thimble-visual
         Channel* force;    // to it, in slave_sim's name
-        Channel* beep;
+        Channel* scene;    // picture and beep
         ViewChannels views;
     };
 
@@ -70,7 +70,7 @@ class ReplayProcess final : public Process, public OrderHandler {
     Channels channels_;
     ReplayClock clock_;
     InboundFlow answers_{Role::kVisual};
-    OutboundFlow control_, force_, beep_, monitor_;
+    OutboundFlow control_, force_, scene_, monitor_;
     OrderTaker experimenter_, player_;
     ReplayState state_;
     std::uint32_t number_ = 1;

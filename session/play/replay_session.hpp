@@ -39,7 +39,7 @@ struct ReplayPlayOptions {
 
 inline ReplayProcess::Channels open_replay_channels(Sockets& sockets) {
     return {sockets.between(Port::kSessionVisual, Port::kVisualControl), sockets.outlet(Port::kVisualForce),
-            sockets.outlet(Port::kVisualBeep), open_view_channels(sockets)};
+            sockets.outlet(Port::kVisualScene), open_view_channels(sockets)};
 }
 
 inline std::shared_ptr<RunningNode> start_window(const ReplayPlayOptions& options,

@@ -27,7 +27,7 @@ VisualSettings for_videos(VisualSettings settings) {
 }  // namespace
 
 RenderedScenes::RenderedScenes(const RecordedTrial& trial, VisualSettings settings)
-    : trial_(&trial), node_(for_videos(std::move(settings))) {
+    : trial_(&trial), picture_delayed_(settings.picture_delayed), node_(for_videos(std::move(settings))) {
     assert(!trial.record.samples.empty());
     const TrialConditions& conditions = trial.record.conditions;
     node_.start_trial(kBegin, start_order(conditions), conditions.trial);
@@ -38,15 +38,30 @@ double RenderedScenes::duration_s() const {
     return last.time_s + trial_->delay_s(last.time_s);
 }
 
-double RenderedScenes::arrival_s(const TrajectorySample& sample) const {
+double RenderedScenes::force_arrival_s(const TrajectorySample& sample) const {
     return std::max(sample.time_s + trial_->delay_s(sample.time_s), newest_s_);
 }
 
-std::optional<Scene> RenderedScenes::at(double time_s) {
+template <class Arrival, class Use>
+void RenderedScenes::arrive(double time_s, std::size_t& next, const Arrival& arrival_s, const Use& use) {
     const auto& samples = trial_->record.samples;
-    for (; next_ < samples.size() && arrival_s(samples[next_]) <= time_s; ++next_) {
-        newest_s_ = arrival_s(samples[next_]);
-        node_.on_feedback(kBegin + from_seconds(newest_s_), trial_->feedback(samples[next_]));
+    for (; next < samples.size() && arrival_s(samples[next]) <= time_s; ++next) {
+        const double arrived_s = arrival_s(samples[next]);
+        use(kBegin + from_seconds(arrived_s), trial_->feedback(samples[next]));
+    }
+}
+
+std::optional<Scene> RenderedScenes::at(double time_s) {
+    const auto with_force = [&](const TrajectorySample& sample) { return force_arrival_s(sample); };
+    const auto at_once = [](const TrajectorySample& sample) { return sample.time_s; };
+    arrive(time_s, next_force_, with_force, [&](SessionTime when, const ForceFeedback& feedback) {
+        newest_s_ = to_seconds(when - kBegin);
+        node_.on_force(when, feedback);
+        if (picture_delayed_) node_.on_picture(when, feedback);
+    });
+    if (!picture_delayed_) {
+        arrive(time_s, next_picture_, at_once,
+               [&](SessionTime when, const ForceFeedback& feedback) { node_.on_picture(when, feedback); });
     }
     // A millisecond on: the first scene is due within the first one.
     const SessionTime now = kBegin + from_seconds(std::max(time_s, 1 / kScenes_Hz));

@@ -1,5 +1,5 @@
-// A recorded trial as the scenes that the subject's screen showed: the samples arrive one network delay after they were
-// recorded, and VisualNode says what may be seen of them.
+// A recorded trial as the scenes that the subject's screen showed: the forces arrive one network delay after they were
+// recorded, the picture at once or with them, and VisualNode says what may be seen of them.
 #pragma once
 
 #include "session/play/recorded_trial.hpp"
@@ -19,13 +19,17 @@ class RenderedScenes {
     double duration_s() const;
 
   private:
-    double arrival_s(const TrajectorySample& sample) const;
+    // Calls use(when, feedback) for each sample from the `next`-th on that has arrived by `time_s`.
+    template <class Arrival, class Use>
+    void arrive(double time_s, std::size_t& next, const Arrival& arrival_s, const Use& use);
+    double force_arrival_s(const TrajectorySample& sample) const;
 
     const RecordedTrial* trial_;
+    bool picture_delayed_;
     VisualNode node_;
-    std::size_t next_ = 0;
+    std::size_t next_force_ = 0, next_picture_ = 0;
     double newest_s_ =
-        0;  // when the newest sample arrived: after a shorter delay the others wait for those in flight
+        0;  // when the newest force arrived: after a shorter delay the others wait for those in flight
     std::optional<Scene> newest_;
 };
 

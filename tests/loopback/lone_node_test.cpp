@@ -145,7 +145,7 @@ TEST(LoneCutaneous, ReleasesTheFingerWhenFeedbackStops) {
 }
 
 TEST(LoneVisual, DropsTheBarWhenFeedbackStops) {
-    LoneNode node("thimble-visual", "[visual]\nstale_after_s = 0.02\n");
+    LoneNode node("thimble-visual", "[visual]\nstale_after_s = 0.02\npicture_delayed = true\n");
     ASSERT_TRUE(node.ready()) << node.words();
     const auto bar_N = [](const Percept& seen) { return seen.bar_N; };
     ForceWhileFed<Percept, decltype(bar_N)> test(node, Role::kVisual, Modality::kVF, Port::kVisualForce,

@@ -1,6 +1,8 @@
 // The 50 ms delay experiment in virtual time: who oscillates, and what depends on which path.
+#include <algorithm>
 #include <deque>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -72,6 +74,54 @@ TEST(DelayExperiment, FingersAndBarDoNotDependOnTheKinestheticPath) {
         const TrialRecord& b = bad.run(trial_of(modality));
         EXPECT_EQ(same_samples(a, b), modality != Modality::kHF) << to_string(modality);
     }
+}
+
+// What the eyes are told, and when.
+class Eyes final : public Tap {
+  public:
+    Eyes(Channel& inner, std::vector<std::pair<SessionTime, Percept>>& seen) : Tap(inner), seen_(&seen) {}
+    void send(Bytes datagram) override {
+        Message message;
+        if (!decode_into(datagram, message))
+            seen_->emplace_back(message.header.send_time, std::get<Percept>(message.body));
+        Tap::send(datagram);
+    }
+
+  private:
+    std::vector<std::pair<SessionTime, Percept>>* seen_;
+};
+
+// How long after it happened the eyes have the touch, and a force of 1 N in the bar.
+std::pair<double, double> lateness_of_sight_s(bool picture_delayed) {
+    SystemSettings settings = paper_with_delays({}, kPaperDelay);
+    settings.visual.picture_delayed = picture_delayed;
+    std::vector<std::pair<SessionTime, Percept>> seen;
+    Rig rig(settings, tap_on<Eyes>({Wire::kPerceptVisual}, seen));
+    rig.start(trial_of(Modality::kVF, kPaperDelay));
+    EXPECT_TRUE(rig.run_until_sample([](const auto& s) { return s.phase != TissuePhase::kFree; }));
+    const SessionTime touched = rig.now();
+    EXPECT_TRUE(rig.run_until_sample([](const auto& s) { return s.force_total_N < -1; }));
+    const SessionTime resisted = rig.now();
+    rig.finish();
+    const auto first = [&](const auto& is_it) {
+        return std::find_if(seen.begin(), seen.end(), [&](const auto& one) { return is_it(one.second); })
+            ->first;
+    };
+    return {to_seconds(first([](const Percept& p) { return p.touching_shown; }) - touched),
+            to_seconds(first([](const Percept& p) { return p.bar_N >= 1; }) - resisted)};
+}
+
+// As in the paper (IV-C): the rendering of force is late, needle and surface are not. A frame comes within 17 ms, its light 25 ms later.
+TEST(DelayExperiment, ThePictureIsNotDelayedAndTheBarIs) {
+    const auto [picture_s, bar_s] = lateness_of_sight_s(false);
+    EXPECT_GE(picture_s, 0.025);
+    EXPECT_LE(picture_s, 0.043);
+    EXPECT_GE(bar_s, 0.075);
+    EXPECT_LE(bar_s, 0.094);
+    const auto [late_picture_s, late_bar_s] = lateness_of_sight_s(true);
+    EXPECT_GE(late_picture_s, 0.075);
+    EXPECT_LE(late_picture_s, 0.093);
+    EXPECT_GE(late_bar_s, 0.075);
 }
 
 TEST(DelayExperiment, TheHandleDoesNotDependOnTheFingersNorTheBar) {

@@ -31,7 +31,7 @@ constexpr std::array kVictims{Role::kSession,   Role::kMaster, Role::kSlaveSim,
                               Role::kCutaneous, Role::kVisual, Role::kNetem};
 constexpr std::array kWires{Wire::kOrders,         Wire::kHeartbeats,  Wire::kNeedle, Wire::kForceMaster,
                             Wire::kForceCutaneous, Wire::kForceVisual, Wire::kRecord, Wire::kPerceptCutaneous,
-                            Wire::kPerceptVisual,  Wire::kBeep};
+                            Wire::kPerceptVisual,  Wire::kScene};
 
 struct FaultPlan {
     Fault fault = Fault::kKill;

@@ -28,7 +28,7 @@ enum class Wire {
     kForceMaster,       // netem -> master
     kForceCutaneous,    // netem -> cutaneous
     kForceVisual,       // netem -> visual
-    kBeep,              // slave -> visual
+    kScene,             // slave -> visual: picture and beep
     kRecord,            // slave -> session
     kPerceptCutaneous,  // cutaneous -> master
     kPerceptVisual,     // visual -> master
@@ -42,7 +42,7 @@ inline std::optional<Wire> wire_to(Port port) {
                                 std::pair{Port::kMasterForce, Wire::kForceMaster},
                                 std::pair{Port::kCutaneousForce, Wire::kForceCutaneous},
                                 std::pair{Port::kVisualForce, Wire::kForceVisual},
-                                std::pair{Port::kVisualBeep, Wire::kBeep},
+                                std::pair{Port::kVisualScene, Wire::kScene},
                                 std::pair{Port::kSessionRecord, Wire::kRecord},
                                 std::pair{Port::kMasterPerceptCutaneous, Wire::kPerceptCutaneous},
                                 std::pair{Port::kMasterPerceptVisual, Wire::kPerceptVisual}};

@@ -29,8 +29,10 @@ Scene seen(Modality modality, const ForceFeedback& feedback) {
     SessionControl control;
     control.modality = modality;
     node.start_trial(from_nanoseconds(1), control, 1);
-    node.on_feedback(node.next_frame(), sample(0, kRest_m, 0));
-    node.on_feedback(node.next_frame(), feedback);
+    node.on_picture(node.next_frame(), sample(0, kRest_m, 0));
+    node.on_force(node.next_frame(), sample(0, kRest_m, 0));
+    node.on_picture(node.next_frame(), feedback);
+    node.on_force(node.next_frame(), feedback);
     return node.frame(node.next_frame()).value();
 }
 

@@ -14,7 +14,6 @@ enum class Traffic : std::uint8_t {
     kForce,
     kTouch,
     kSight,
-    kBeep,
     kHand,
     kOrders,
     kMonitor,
@@ -45,7 +44,7 @@ constexpr std::array<PortRow, kPortCount> kPortRows{{
     {"slave_sim_needle", Traffic::kNeedle},
     {"cutaneous_force", Traffic::kForce},
     {"visual_force", Traffic::kForce},
-    {"visual_beep", Traffic::kBeep},
+    {"visual_scene", Traffic::kForce},
     {"netem_needle", Traffic::kNeedle},
     {"netem_force_master", Traffic::kForce},
     {"netem_force_cutaneous", Traffic::kForce},
@@ -79,7 +78,6 @@ std::array<PortTraffic, kPortCount> session_traffic() {
         of(ForceFeedback{}, kSamples_Hz, true),
         of(Percept{}, kSamples_Hz, true),
         of(Percept{}, 60),         // frames of the screen
-        of(SessionControl{}, 50),  // five at once, 20 ms apart
         of(HandInput{}, kSamples_Hz, true),
         of(Order{}, 50),
         of(Monitor{}, 250),

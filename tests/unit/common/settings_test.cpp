@@ -43,7 +43,7 @@ TEST(NetworkSettings, EveryPortBelongsToWhoListensThere) {
     EXPECT_EQ(owner(Port::kSessionMaster), Role::kSession);
     EXPECT_EQ(owner(Port::kMasterControl), Role::kMaster);
     EXPECT_EQ(owner(Port::kNetemControl), Role::kNetem);
-    EXPECT_EQ(owner(Port::kVisualBeep), Role::kVisual);
+    EXPECT_EQ(owner(Port::kVisualScene), Role::kVisual);
 }
 
 TEST(NetworkSettings, HostsByRole) {

@@ -31,7 +31,7 @@ RecordedTrial trial_with(Modality modality, double delay_s) {
 
 TEST(RenderedScenes, ShowWhatHasArrived) {
     const RecordedTrial undelayed = trial_with(Modality::kHF, 0), delayed = trial_with(Modality::kHF, 0.2);
-    RenderedScenes now(undelayed, {}), later(delayed, {});
+    RenderedScenes now(undelayed, {}), later(delayed, {.picture_delayed = true});
     EXPECT_FALSE(later.at(0.1));
     for (const double time_s : {0.3, 0.31, 0.45}) {
         EXPECT_DOUBLE_EQ(now.at(time_s)->position_needle_m, -0.01 + 0.02 * time_s);
@@ -39,6 +39,14 @@ TEST(RenderedScenes, ShowWhatHasArrived) {
     }
     EXPECT_DOUBLE_EQ(now.duration_s(), 2);
     EXPECT_DOUBLE_EQ(later.duration_s(), 2.2);
+}
+
+TEST(RenderedScenes, ShowThePictureAtOnceAndTheBarLater) {
+    const RecordedTrial delayed = trial_with(Modality::kVF, 0.2);
+    RenderedScenes scenes(delayed, {});
+    EXPECT_DOUBLE_EQ(scenes.at(0.1)->position_needle_m, -0.01 + 0.02 * 0.1);
+    EXPECT_EQ(scenes.at(0.1)->bar_N, 0);
+    EXPECT_NEAR(scenes.at(1.5)->bar_N, 200 * (0.02 * 1.3 - 0.01), 0.031);
 }
 
 TEST(RenderedScenes, HideTheInsertedNeedle) {
@@ -63,7 +71,7 @@ TEST(RenderedScenes, ShowTheForceAsItsModalityDoes) {
 TEST(RenderedScenes, ADelayThatFallsMakesNobodyOvertake) {
     RecordedTrial trial = trial_with(Modality::kHF, 0.5);
     trial.record.network_events.push_back({1.0, 0.0});
-    RenderedScenes scenes(trial, {});
+    RenderedScenes scenes(trial, {.picture_delayed = true});
     EXPECT_NEAR(scenes.at(0.9)->position_needle_m, -0.01 + 0.02 * 0.4, 2.1e-5);
     // Samples sent before 1.0 s arrive until 1.5 s. Later ones arrive all at once after it.
     EXPECT_NEAR(scenes.at(1.498)->position_needle_m, 0, 1e-12);

@@ -67,10 +67,10 @@ class Shouting final : public Channel {
 
 TEST(QueueNetwork, ATapStandsBeforeTheEndThatSends) {
     QueueNetwork network(nullptr, [](Port to, Channel& end) -> std::unique_ptr<Channel> {
-        return to == Port::kVisualBeep ? std::make_unique<Shouting>(end) : nullptr;
+        return to == Port::kVisualScene ? std::make_unique<Shouting>(end) : nullptr;
     });
-    network.of(Role::kSlaveSim).outlet(Port::kVisualBeep)->send(bytes_of("beep"));
-    EXPECT_EQ(text_of(network.of(Role::kVisual).inlet(Port::kVisualBeep)->receive()), "beep!");
+    network.of(Role::kSlaveSim).outlet(Port::kVisualScene)->send(bytes_of("beep"));
+    EXPECT_EQ(text_of(network.of(Role::kVisual).inlet(Port::kVisualScene)->receive()), "beep!");
     network.of(Role::kSlaveSim).outlet(Port::kSessionRecord)->send(bytes_of("record"));
     EXPECT_EQ(text_of(network.of(Role::kSession).inlet(Port::kSessionRecord)->receive()), "record");
 }

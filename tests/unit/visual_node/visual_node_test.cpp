@@ -34,6 +34,12 @@ ForceFeedback feedback(double needle_m, double surface_m, double total_N = 0,
     return message;
 }
 
+// A picture as late as the force, or no delay.
+void give(VisualNode& node, SessionTime now, const ForceFeedback& feedback, SessionTime answered = {}) {
+    node.on_picture(now, feedback, answered);
+    node.on_force(now, feedback);
+}
+
 VisualNode started(Modality modality, SessionTime start = {}, const VisualSettings& settings = {}) {
     VisualNode node{settings};
     node.start_trial(start, trial(modality), 1);
@@ -45,7 +51,7 @@ Scene scene_of(const ForceFeedback& message, Modality modality, const VisualSett
                Duration silence = {}) {
     VisualNode node = started(modality, at(seconds{1}), settings);
     const SessionTime now = node.next_frame();
-    node.on_feedback(now - silence, message);
+    give(node, now - silence, message);
     return node.frame(now).value();
 }
 
@@ -176,7 +182,7 @@ TEST(VisualNode, EachModalityShowsItsOwn) {
             EXPECT_EQ(resisted.fingertip_N, pressed ? 3 : 0);
             EXPECT_EQ(resisted.thumb_N, 0);
             VisualNode node = started(modality, {}, settings);
-            node.on_feedback(at({}), feedback(0.05, 0.1, 3));
+            give(node, at({}), feedback(0.05, 0.1, 3));
             const Scene drawn = node.frame(node.next_frame()).value();
             EXPECT_EQ(drawn.fingertip_N, 0);
             EXPECT_EQ(drawn.thumb_N, pressed ? 3 : 0);
@@ -191,10 +197,10 @@ TEST(VisualNode, ASceneKnowsItsTrialItsStampsAndTheSurfaceAtRest) {
     for (const std::uint32_t number : {4U, 5U}) {
         node.start_trial(at(seconds{number}), trial(Modality::kHF), number);
         const double rest_m = 0.01 * number;
-        node.on_feedback(at(seconds{number}), feedback(0, rest_m));
+        give(node, at(seconds{number}), feedback(0, rest_m));
         ForceFeedback second = feedback(0.2, rest_m + 0.005);
         second.echo_time = at(milliseconds{17});
-        node.on_feedback(at(seconds{number}), second, at(milliseconds{19}));
+        give(node, at(seconds{number}), second, at(milliseconds{19}));
         const SessionTime drawn = node.next_frame();
         const Scene scene = node.frame(drawn).value();
         EXPECT_LT(node.next_frame() - drawn, milliseconds{17});
@@ -228,16 +234,34 @@ TEST(VisualNode, ShowsTheNewestFeedback) {
     VisualNode node = started(Modality::kHF);
     EXPECT_FALSE(node.frame(node.next_frame()).has_value()) << "nothing to show yet";
     const SessionTime now = node.next_frame();
-    node.on_feedback(now - milliseconds{2}, feedback(0.01, 0.1));
-    node.on_feedback(now - milliseconds{1}, feedback(0.02, 0.1));
+    give(node, now - milliseconds{2}, feedback(0.01, 0.1));
+    give(node, now - milliseconds{1}, feedback(0.02, 0.1));
     const Scene scene = node.frame(now).value();
     EXPECT_EQ(scene.position_needle_m, 0.02);
     EXPECT_EQ(scene.sample_time, now - milliseconds{1});
 }
 
+TEST(VisualNode, ThePictureComesBeforeTheFirstForceAndTheBarWithIt) {
+    VisualNode node = started(Modality::kVF, at(seconds{1}), {.stale = {StaleMode::kZero, milliseconds{1}}});
+    const SessionTime first = node.next_frame();
+    node.on_picture(first, feedback(0.02, 0.1, -6));
+    const Scene early = node.frame(first).value();
+    EXPECT_EQ(early.position_needle_m, 0.02);
+    EXPECT_EQ(early.bar_N, 0) << "that force is still in the network";
+    EXPECT_FALSE(early.stale);
+    const SessionTime second = node.next_frame();
+    node.on_picture(second, feedback(0.03, 0.1, -6));
+    node.on_force(second, feedback(0.02, 0.1, -3));
+    const Scene later = node.frame(second).value();
+    EXPECT_EQ(later.position_needle_m, 0.03);
+    EXPECT_EQ(later.bar_N, 3);
+    node.on_force(node.next_frame(), feedback(0.02, 0.1, -3));
+    EXPECT_TRUE(node.frame(node.next_frame())->stale) << "no picture comes any more";
+}
+
 TEST(VisualNode, FramesComeAtSixtyHertzWithoutDrift) {
     VisualNode node = started(Modality::kHF, at(seconds{5}));
-    node.on_feedback(at(seconds{5}), feedback(0, 0.1));
+    give(node, at(seconds{5}), feedback(0, 0.1));
     const SessionTime first = node.next_frame();
     EXPECT_GE(first, at(seconds{5}));
     EXPECT_LT(first, at(seconds{5}) + Duration{16'666'668});
@@ -284,9 +308,9 @@ TEST(VisualNode, EndsWithOneFrameWithoutABar) {
     VisualNode node{{.stale = {StaleMode::kHold}}};
     EXPECT_EQ(node.next_frame(), kNever);
     node.start_trial(at({}), trial(Modality::kVF), 1);
-    node.on_feedback(at({}), feedback(0.05, 0.1, -6));
+    give(node, at({}), feedback(0.05, 0.1, -6));
     node.end_trial(at(milliseconds{1}));
-    node.on_feedback(at(milliseconds{1}), feedback(0.2, 0.3, -6));
+    give(node, at(milliseconds{1}), feedback(0.2, 0.3, -6));
     const auto last = node.frame(at(seconds{1}));
     ASSERT_TRUE(last.has_value());
     EXPECT_EQ(last->bar_N, 0);
@@ -302,7 +326,7 @@ TEST(VisualNode, PerceptIsWhatTheScreenShowed) {
     node.start_trial(at({}), trial(Modality::kVF), 1);
     node.frame(node.next_frame());  // the first may come too early for a sample that is 3 ms old
     const SessionTime drawn = node.next_frame();
-    node.on_feedback(drawn - milliseconds{3}, feedback(0.2, 0.11, -3, TissuePhase::kPenetrated));
+    give(node, drawn - milliseconds{3}, feedback(0.2, 0.11, -3, TissuePhase::kPenetrated));
     display.draw(drawn, node.frame(drawn).value());
     EXPECT_EQ(display.next_shown(), drawn + milliseconds{25});
     const Percept percept = node.to_percept(display.shown(display.next_shown()).value()).value();
@@ -335,7 +359,7 @@ TEST(VisualNode, NothingOfAnEarlierTrialIsSeen) {
     VisualNode node{VisualSettings{}};
     RecordingDisplay display(milliseconds{25});
     node.start_trial(at({}), trial(Modality::kVF), 1);
-    node.on_feedback(at({}), feedback(0.2, 0.1, -9, TissuePhase::kPenetrated));
+    give(node, at({}), feedback(0.2, 0.1, -9, TissuePhase::kPenetrated));
     const SessionTime drawn = node.next_frame();
     display.draw(drawn, node.frame(drawn).value());
     node.start_trial(drawn + milliseconds{1}, trial(Modality::kVF), 2);
