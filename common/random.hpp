@@ -32,6 +32,7 @@ enum class Purpose : std::uint32_t {
     kLinkCorruptBits = 20,
     kLinkReorder = 21,
     kLinkSlot = 22,
+    kPreviousModality = 23,
 };
 
 struct StreamKey {

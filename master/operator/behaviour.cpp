@@ -26,11 +26,18 @@ double trial_speed(const OperatorParameters& parameters, const Subject& subject,
     return subject.speed_insert_needle_m_per_s * std::max(factor, 0.1) / parameters.behaviour.position_scale;
 }
 
+// A power law of practice, 1 in the first trial.
+double learned_by(std::uint32_t trial, double exponent) {
+    return portable::exp(exponent * portable::log1p(trial > 0 ? trial - 1.0 : 0.0));
+}
+
 }  // namespace
 
 Behaviour::Behaviour(const OperatorParameters& parameters, const Subject& subject, const OperatorTask& task)
     : parameters_(parameters.behaviour),
       push_m_(subject.push_m),
+      press_m_(task.modality == Modality::kHF ? subject.press_N / subject.arm_stiffness_N_per_m : 0),
+      learned_(learned_by(task.trial, parameters.behaviour.learning_exponent)),
       insert_m_per_s_(trial_speed(parameters, subject, task)),
       speed_noise_fraction_(parameters.noise.speed_noise_fraction),
       cocontracts_(task.modality == Modality::kHF),
@@ -70,8 +77,9 @@ void Behaviour::perceive_loss(const Sensation& sensation) {
     if (sensation.contact_lost && !was_lost_) {
         ++contact_losses_;
         if (cocontracts_) {
-            intention_.stiffness_factor = std::min(intention_.stiffness_factor + parameters_.cocontraction,
-                                                   1 + parameters_.cocontraction_limit);
+            intention_.stiffness_factor =
+                std::min(intention_.stiffness_factor + learned_ * parameters_.cocontraction,
+                         1 + parameters_.cocontraction_limit);
         }
     }
     was_lost_ = sensation.contact_lost;
@@ -123,7 +131,7 @@ void Behaviour::recover(double position_arm_m) {
     }
     // Never forward: an arm that was thrown beyond what was meant is no reason to push.
     stride_m_ = std::min(position_arm_m - intention_.position_m, 0.0);
-    slowing_ = std::max(slowing_ * parameters_.slowing, parameters_.slowest);
+    slowing_ = std::max(slowing_ * parameters_.slowing / learned_, parameters_.slowest);
     enter(BehaviourPhase::kRelax);
 }
 
@@ -139,7 +147,9 @@ void Behaviour::move() {
             approach_speed(slowing_ * insert_m_per_s_ * (1 + speed_noise_fraction_ * speed_noise_.next()));
             break;
         case BehaviourPhase::kBrake:
-            velocity = entry_m_per_s_ * braking(spent / static_cast<double>(brake_ticks_));
+            velocity = entry_m_per_s_ * braking(spent / static_cast<double>(brake_ticks_)) +
+                       press_m_ / (static_cast<double>(brake_ticks_) * kTickSeconds) *
+                           minimum_jerk_speed(spent / static_cast<double>(brake_ticks_));
             break;
         case BehaviourPhase::kPush:
         case BehaviourPhase::kRelax:

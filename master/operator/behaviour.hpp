@@ -65,6 +65,8 @@ class Behaviour {
 
     BehaviourParameters parameters_;
     double push_m_;          // of the next push, at the hand
+    double press_m_;         // HF: with the stop
+    double learned_;         // how much more is done after a loss than in the first trial
     double slowing_ = 1;     // of the insertion, after losses
     double insert_m_per_s_;  // of this trial, at the hand
     double speed_noise_fraction_;

@@ -37,7 +37,8 @@ struct HandleMechanics {
 struct LimbCommand {
     double equilibrium_m = 0;     // x_eq: where the hand would come to rest, noise included
     double velocity_m_per_s = 0;  // v_cmd: intended
-    double stiffness_factor = 1;  // co-contraction: multiplies k_a and k_g; damping ratios stay
+    double stiffness_factor = 1;  // co-contraction and load: multiplies k_a and k_g; damping ratios stay
+    double damping_factor = 1;    // load: multiplies b_a and b_g beyond that
 };
 
 class Limb {
@@ -57,12 +58,13 @@ class Limb {
         state_ = {};
         command_ = {};
         drive_m_per_s_ = 0;
-        stiffen(1);
+        stiffen(1, 1);
     }
 
     void command(const LimbCommand& command) {
-        const bool stiffer = command.stiffness_factor != command_.stiffness_factor;
-        if (stiffer) stiffen(command.stiffness_factor);
+        const bool stiffer = command.stiffness_factor != command_.stiffness_factor ||
+                             command.damping_factor != command_.damping_factor;
+        if (stiffer) stiffen(command.stiffness_factor, command.damping_factor);
         if (stiffer || command.velocity_m_per_s != command_.velocity_m_per_s) {
             const double v_cmd = command.velocity_m_per_s;
             const double feed_forward_N =
@@ -124,11 +126,11 @@ class Limb {
         double grip_hand, grip_damping_hand, damping_hand, friction_hand, force_hand;
         double grip_arm, grip_damping_arm, spring_arm, damping_arm;
     };
-    void stiffen(double factor) {
+    void stiffen(double factor, double damping) {
         const double k_a = arm_stiffness_N_per_m_ * factor, k_g = grip_stiffness_N_per_m_ * factor;
         const double m_d = handle_.moving_mass_kg, m_a = hand_.arm_mass_kg;
-        const double b_g = 2 * hand_.grip_damping_ratio * std::sqrt(k_g * m_d);
-        const double b_a = 2 * hand_.arm_damping_ratio * std::sqrt(k_a * (m_a + m_d));
+        const double b_g = damping * (2 * hand_.grip_damping_ratio * std::sqrt(k_g * m_d));
+        const double b_a = damping * (2 * hand_.arm_damping_ratio * std::sqrt(k_a * (m_a + m_d)));
         const double per_hand = step_s_ / m_d, per_arm = step_s_ / m_a;
         gains_ = {.grip_hand = k_g * per_hand,
                   .grip_damping_hand = b_g * per_hand,

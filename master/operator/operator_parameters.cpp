@@ -14,6 +14,17 @@ void read_hand(const ConfigTable& table, HandMechanics& hand) {
     table.read("grip_damping_ratio", hand.grip_damping_ratio, 0, 2, "Of the grip.");
     table.read("friction_learned_speed_m_per_s", hand.friction_learned_speed_m_per_s, 1e-5, 0.1,
                "Where the learned feed-forward of friction changes sign.");
+    table.read("load_stiffness_per_N", hand.load_stiffness_per_N, 0, 2,
+               "Arm and grip are stiffer by this fraction per newton that the arm exerts; 0: off.");
+    table.read("load_damping_per_N", hand.load_damping_per_N, 0, 2, "The same of their damping; 0: off.");
+    table.read("load_lag_s", hand.load_lag_s, 0.001, 1, "How fast both follow the load.");
+}
+
+void read_reflex(const ConfigTable& table, ReflexParameters& reflex) {
+    table.read("reflex_gain", reflex.gain, 0, 2,
+               "Part of a stretch of the arm that the long-latency reflex counters; 0: off.");
+    table.read("reflex_latency_s", reflex.latency_s, 0.01, 0.2, "From the stretch to the answer.");
+    table.read("reflex_window_s", reflex.window_s, 0.01, 0.2, "A stretch that is older is not answered.");
 }
 
 void read_noise(const ConfigTable& table, NoiseParameters& noise) {
@@ -60,6 +71,10 @@ void read_reaction(const ConfigTable& table, ReactionParameters& reaction) {
     table.read("reaction_auditory_s", reaction.auditory_s, 0, 2, "To the beep.");
     table.read("reaction_trial_variation", reaction.trial_variation, 0, 1,
                "Coefficient of variation between decisions.");
+    table.read("switch_modality_s", reaction.switch_modality_s, 0, 0.5,
+               "The first reaction to the fixture takes longer if the trial before was for another sense.");
+    table.read("switch_hand_s", reaction.switch_hand_s, 0, 0.5,
+               "The same if it is another hand that feels (CCF).");
 }
 
 void read_behaviour(const ConfigTable& table, BehaviourParameters& behaviour) {
@@ -86,6 +101,10 @@ void read_behaviour(const ConfigTable& table, BehaviourParameters& behaviour) {
     table.read("cocontraction", behaviour.cocontraction, 0, 2,
                "Stiffer by this fraction after each loss, in HF.");
     table.read("cocontraction_limit", behaviour.cocontraction_limit, 0, 5, "At most.");
+    table.read("learning_exponent", behaviour.learning_exponent, 0, 1,
+               "After a loss the operator of trial n slows and stiffens more by n to this power; 0: off.");
+    table.read("press_N", behaviour.press_N, 0, 10,
+               "HF: leans on the fixture by so much more than it took to feel it.");
 }
 
 void read_spread(const ConfigTable& table, SubjectSpread& spread) {
@@ -98,6 +117,10 @@ void read_spread(const ConfigTable& table, SubjectSpread& spread) {
     table.read("spread_reaction", spread.reaction, 0, 1, "Of all reaction times together.");
     table.read("spread_reaction_modality", spread.reaction_modality, 0, 1,
                "Of those of a subject in one modality.");
+    table.read("spread_press", spread.press, 0, 1, "Of the press.");
+    table.read("spread_experience", spread.experience, 0, 2,
+               "Every second subject is experienced: the logarithm's distance from the others, of criterion, "
+               "press and reaction.");
 }
 
 }  // namespace
@@ -105,6 +128,7 @@ void read_spread(const ConfigTable& table, SubjectSpread& spread) {
 OperatorParameters read_operator_parameters(const ConfigTable& table) {
     OperatorParameters parameters;
     read_hand(table, parameters.hand);
+    read_reflex(table, parameters.reflex);
     read_noise(table, parameters.noise);
     read_perception(table, parameters.perception);
     read_reaction(table, parameters.reaction);
@@ -131,6 +155,10 @@ Subject draw_subject(const OperatorParameters& parameters, std::uint64_t study, 
     drawn.push_m = around(parameters.behaviour.push_m, spread.push);
     drawn.reaction_factor = around(1, spread.reaction);
     for (double& factor : drawn.reaction_modality_factor) factor = around(1, spread.reaction_modality);
+    drawn.press_N = around(parameters.behaviour.press_N, spread.press);
+    // Half of every cohort, as in the paper.
+    const double skill = portable::exp((subject % 2 == 1 ? -0.5 : 0.5) * spread.experience);
+    for (double* trait : {&drawn.criterion_N, &drawn.press_N, &drawn.reaction_factor}) *trait *= skill;
     return drawn;
 }
 

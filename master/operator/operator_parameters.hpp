@@ -26,6 +26,18 @@ struct HandMechanics {
     double grip_damping_ratio = 0.6;       // [M] the same; pulp dissipates 81 % of a tap, Jindrich 2003 [V]
     double friction_learned_speed_m_per_s =
         5e-4;  // [A] where the learned feed-forward of friction changes sign
+    // Arm and grip are stiffer under load, by these fractions per newton; 0: off. That stiffness grows linearly with force: [V] of the
+    // grip, Hoeppner, McIntyre and van der Smagt 2013 (abstract); [M] of the arm, Lacquaniti 1982. The slopes are [A].
+    double load_stiffness_per_N = 0;
+    double load_damping_per_N = 0;
+    double load_lag_s = 0.05;  // [A] until a muscle has built up its force
+};
+
+// Long-latency stretch reflex: the muscles answer a stretch before the will does (reflex.hpp).
+struct ReflexParameters {
+    double gain = 0;           // 0: off; [A] of the stretch that is countered
+    double latency_s = 0.075;  // [V] 50-100 ms, Pruszynski and Scott 2012; Kurtzer 2015 (abstracts)
+    double window_s = 0.05;    // [A] a stretch that is older is no news
 };
 
 // Deviations from what was intended.
@@ -68,6 +80,9 @@ struct ReactionParameters {
     double visual_s = 0.240;        // [V2] Welford 1980: 189 ms; middle of 189-290
     double auditory_s = 0.147;      // [V2] Welford 1980
     double trial_variation = 0.18;  // [M] coefficient of variation between decisions
+    // Costs of a switch since the trial before, in the first reaction to the fixture; 0: off. That another sense takes longer, and the
+    // same one does not: [V] Spence, Nicholls and Driver 2001 (abstract). Of the other hand: [M] Miles 2011. Sizes are [A].
+    double switch_modality_s = 0, switch_hand_s = 0;
 };
 
 // The operator's reaction to a lost contact with the fixture (behaviour.hpp).
@@ -91,6 +106,10 @@ struct BehaviourParameters {
     double push_s = 0.25;              // [A] kPush
     double cocontraction = 0.25;       // [A] Tee and Burdet 2004 [V]: stiffness rises with instability
     double cocontraction_limit = 1.0;  // [A]
+    // The n-th trial's operator slows by n^-x and stiffens by n^x of what the first one's does after a loss; 0: off. That stiffness
+    // adapts across trials: [V] Selen, Franklin and Wolpert 2009 (abstract); the power law: [M] Newell and Rosenbloom 1981; x: [A].
+    double learning_exponent = 0;
+    double press_N = 0;  // [A] HF: leans on the fixture by so much more than it took to feel it; 0: off
 };
 
 // Standard deviations of the logarithms between subjects.
@@ -102,10 +121,15 @@ struct SubjectSpread {
     double push = 0.30;               // [A]
     double reaction = 0.10;           // [M]
     double reaction_modality = 0.05;  // [M] subject x modality
+    double press = 0.3;               // [A]
+    // Between those who know haptic devices and those who do not, of criterion, press and reaction: [P] half of them do (8 of 16,
+    // 5 of 10), [A] every second one here, and how much; 0: off.
+    double experience = 0;
 };
 
 struct OperatorParameters {
     HandMechanics hand;
+    ReflexParameters reflex;
     NoiseParameters noise;
     PerceptionParameters perception;
     ReactionParameters reaction;
@@ -121,6 +145,7 @@ struct Subject {
     double criterion_N = 0;
     double sway_m = 0;
     double push_m = 0;
+    double press_N = 0;
     double reaction_factor = 1;
     std::array<double, kModalityCount> reaction_modality_factor{1, 1, 1, 1};  // by Modality
 };

@@ -43,7 +43,28 @@ double reaction_s(const ReactionParameters& parameters, Modality modality) {
     }
 }
 
+enum class Sense : std::uint8_t { kJoints, kSkin, kEyes };
+
+Sense sense_of(Modality modality) {
+    if (modality == Modality::kVF) return Sense::kEyes;
+    return modality == Modality::kHF ? Sense::kJoints : Sense::kSkin;
+}
+
+// Drawn: a trial is run by itself, and in a shuffled order the one before it is any of the four.
+double drawn_switch_s(const ReactionParameters& parameters, const OperatorTask& task) {
+    if (task.trial <= 1) return 0;
+    RandomStream random(stream_key(task, Purpose::kPreviousModality));
+    const auto before = static_cast<std::size_t>(random.uniform() * static_cast<double>(kModalityCount));
+    return switch_cost_s(parameters, kModalities.at(std::min(before, kModalityCount - 1)), task.modality);
+}
+
 }  // namespace
+
+double switch_cost_s(const ReactionParameters& parameters, Modality before, Modality now) {
+    const bool other_hand = (before == Modality::kCCF) != (now == Modality::kCCF) && now != Modality::kVF;
+    return (sense_of(before) != sense_of(now) ? parameters.switch_modality_s : 0) +
+           (other_hand ? parameters.switch_hand_s : 0);
+}
 
 StreamKey stream_key(const OperatorTask& task, Purpose purpose) {
     return {task.study_seed, task.experiment, task.subject, task.trial, purpose};
@@ -86,6 +107,7 @@ ReactionTimes::ReactionTimes(const ReactionParameters& parameters, const Subject
                  subject.reaction_modality_factor[static_cast<std::size_t>(task.modality)]),
       touch_s_(parameters.visual_s * subject.reaction_factor),
       beep_s_(parameters.auditory_s * subject.reaction_factor),
+      switch_s_(drawn_switch_s(parameters, task) * subject.reaction_factor),
       random_(stream_key(task, Purpose::kReaction)) {}
 
 std::int64_t ReactionTimes::draw(double median_s) {

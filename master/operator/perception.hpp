@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "master/operator/noise.hpp"
 #include "master/operator/operator_parameters.hpp"
@@ -52,8 +53,9 @@ class ReactionTimes {
   public:
     ReactionTimes(const ReactionParameters& parameters, const Subject& subject, const OperatorTask& task);
 
-    std::int64_t to_fixture() { return draw(fixture_s_); }  // felt or lost, through the modality
-    std::int64_t to_touch() { return draw(touch_s_); }      // needle seen to touch the tissue
+    // Felt or lost, through the modality. The first one bears what a switch since the trial before costs.
+    std::int64_t to_fixture() { return draw(fixture_s_ + std::exchange(switch_s_, 0)); }
+    std::int64_t to_touch() { return draw(touch_s_); }  // needle seen to touch the tissue
     std::int64_t to_beep() { return draw(beep_s_); }
 
   private:
@@ -61,8 +63,12 @@ class ReactionTimes {
 
     double sigma_;
     double fixture_s_, touch_s_, beep_s_;
+    double switch_s_;  // until it was paid
     RandomStream random_;
 };
+
+// What the trial's modality costs after `before`: another sense (joints, skin, eyes), another hand that feels.
+double switch_cost_s(const ReactionParameters& parameters, Modality before, Modality now);
 
 // The key of one purpose in this trial.
 StreamKey stream_key(const OperatorTask& task, Purpose purpose);

@@ -10,9 +10,6 @@
 namespace thimble::test {
 namespace {
 
-constexpr Sensation kNothing{.signal_N = 0, .contact_lost = true};
-constexpr Sensation kFixture{.signal_N = 3, .fixture_felt = true};
-
 class Actor {
   public:
     explicit Actor(Modality modality, const OperatorParameters& parameters = calm_parameters())

@@ -7,9 +7,12 @@
 
 namespace thimble::test {
 
+inline constexpr Sensation kNothing{.signal_N = 0, .contact_lost = true};
+inline constexpr Sensation kFixture{.signal_N = 3, .fixture_felt = true};
+
 inline OperatorParameters calm_parameters() {
     OperatorParameters parameters;
-    parameters.spread = {0, 0, 0, 0, 0, 0, 0};
+    parameters.spread = {0, 0, 0, 0, 0, 0, 0, 0, 0};
     parameters.noise.sway_m = parameters.noise.tremor_m = 0;
     parameters.noise.force_noise_fraction = parameters.noise.speed_noise_fraction = 0;
     parameters.behaviour.speed_trial_variation = 0;
