@@ -94,6 +94,11 @@ Finding normality_finding(const StudyColumns& columns) {
         mean == " none" && max == " none" && time != " none"};
 }
 
+Finding skewed_handle_finding(const StudyColumns& columns) {
+    const std::string names = not_normal(columns, Metric::kPenetrationMax);
+    return {fmt::format("not normal at .05: maximum penetration{}", names), names.starts_with(" HF")};
+}
+
 Finding same_time_finding(const StudyColumns& columns) {
     const SampleTable table = columns.table(Metric::kCompletionTime).table;
     const Friedman test = friedman(table);

@@ -27,12 +27,18 @@ Finding order_finding(const StudyColumns& columns, Metric metric);
 Finding pairs_finding(const StudyColumns& columns, Metric metric, double limit_cf_ccf);
 // Penetration is normal in every column, time is not: by this the paper chose its tests.
 Finding normality_finding(const StudyColumns& columns);
+// HF's maximum penetration is not normal: a few hands oscillate much more than the others.
+Finding skewed_handle_finding(const StudyColumns& columns);
 Finding same_time_finding(const StudyColumns& columns);
 
 // Sizes that follow from the paper's F and P, with 95 % intervals. CF's cost beside HF is a part of VF's cost (Fieller, "Some problems
 // in interval estimation", J. Royal Statistical Society B 16, 1954). HF's jumps have a spread, and a distance to the others' jumps.
 Finding cost_ratio_finding(const StudyColumns& columns, Metric metric, double most);
 Finding removal_spread_finding(const StudyColumns& columns);
+// The paper's F lies where 95 % of studies would have theirs, were the true effect as large as here: noncentral F by Patnaik's
+// approximation ("The non-central chi-square and F distributions", Biometrika 36, 1949). Of insertion, and of the removal.
+Finding f_size_finding(const StudyColumns& columns, Metric metric, double papers_f);
+Finding removal_f_finding(const StudyColumns& columns, double papers_f);
 
 // After sudden removal: by one-way ANOVA, then the pairs with HF (HF larger), and those without (no difference).
 Finding removal_finding(const StudyColumns& columns);

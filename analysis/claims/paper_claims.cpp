@@ -45,6 +45,12 @@ std::vector<PaperClaim> claims_on_insertion() {
            of(&E::one, "E1.max.ratio", "maximum penetration: CF costs at most .547 of what VF costs",
               "(CF - HF) / (VF - HF), from F and P of the pairs",
               [](const Columns& c) { return cost_ratio_finding(c, kMax, 0.547); })),
+        as(ClaimKind::kSize,
+           of(&E::one, "E1.mean.f", "mean penetration: the effect is as large as the paper's",
+              "RM-ANOVA F(3, 45) = 106.5", [](const Columns& c) { return f_size_finding(c, kMean, 106.5); })),
+        as(ClaimKind::kSize,
+           of(&E::one, "E1.max.f", "maximum penetration: the effect is as large as the paper's",
+              "RM-ANOVA F(3, 45) = 81.89", [](const Columns& c) { return f_size_finding(c, kMax, 81.89); })),
         of(&E::one, "E1.normal", "penetration columns pass the normality test, time columns do not",
            "D'Agostino-Pearson K2", normality_finding),
         of(&E::one, "E1.time.same", "completion time does not differ", "Friedman, P > .1", same_time_finding),
@@ -63,6 +69,10 @@ std::vector<PaperClaim> claims_on_removal() {
            of(&E::two, "E2.peak.spread",
               "HF's peak displacement: the SD is at most .282 of its distance to the others",
               "from F(3, 28) = 100.3", removal_spread_finding)),
+        as(ClaimKind::kSize,
+           of(&E::two, "E2.peak.f", "peak displacement: the effect is as large as the paper's",
+              "one-way ANOVA F(3, 28) = 100.3",
+              [](const Columns& c) { return removal_f_finding(c, 100.3); })),
     };
 }
 
@@ -84,6 +94,8 @@ std::vector<PaperClaim> claims_on_delay() {
            [](const Columns& c) {
                return same_ranks_finding(c, kMax, {{"HF", "VF"}, {"CCF", "VF"}, {"CF", "CCF"}});
            }),
+        of(&E::three, "E3.max.normal", "HF's maximum penetration does not pass the normality test",
+           "D'Agostino-Pearson K2", skewed_handle_finding),
         of(&E::three, "E3.time.differs", "completion time differs", "Friedman, P < .0001",
            [](const Columns& c) { return friedman_finding(c, kTime); }),
         dunn("E3.time.hf_vf", "completion time HF > VF", "Dunn, P < .01", kTime, "HF", "VF", 0.01),

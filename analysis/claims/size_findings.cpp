@@ -1,10 +1,12 @@
 // Sizes of effects that the paper's tests imply, with the interval of what came out here.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "analysis/claims/claim_findings.hpp"
+#include "analysis/statistics/anova.hpp"
 #include "analysis/statistics/descriptive.hpp"
 #include "analysis/statistics/distributions.hpp"
 
@@ -46,7 +48,32 @@ std::string interval_text(const std::optional<ConfidenceInterval>& interval) {
                     : "no interval";
 }
 
+// Of the F that a study has, were the true effect that which `f` estimates without bias.
+ConfidenceInterval f_interval(double f, double df_1, double df_2) {
+    const double noncentrality = std::max(0.0, f * df_1 * (df_2 - 2) / df_2 - df_1);
+    const double sum = df_1 + noncentrality, tail = (1 - kConfidence) / 2;
+    const double df = sum * sum / (sum + noncentrality);
+    return {sum / df_1 * f_quantile(tail, df, df_2), sum / df_1 * f_quantile(1 - tail, df, df_2)};
+}
+
+Finding f_finding(double f, double df_1, double df_2, double papers_f) {
+    const ConfidenceInterval interval = f_interval(f, df_1, df_2);
+    return {fmt::format("F({:g}, {:g}) = {:.1f}; 95 % of studies with this effect have {:.1f} to {:.1f}",
+                        df_1, df_2, f, interval.low, interval.high),
+            papers_f >= interval.low && papers_f <= interval.high};
+}
+
 }  // namespace
+
+Finding f_size_finding(const StudyColumns& columns, Metric metric, double papers_f) {
+    const RepeatedAnova anova = repeated_anova(columns.table(metric).table);
+    return f_finding(anova.f, anova.df_conditions, anova.df_error, papers_f);
+}
+
+Finding removal_f_finding(const StudyColumns& columns, double papers_f) {
+    const OneWayAnova anova = one_way_anova(columns.groups(Metric::kPeakDisplacement));
+    return f_finding(anova.f, anova.df_between, anova.df_within, papers_f);
+}
 
 Finding cost_ratio_finding(const StudyColumns& columns, Metric metric, double most) {
     const SampleTable table = columns.table(metric).table;  // HF, CF, CCF, VF

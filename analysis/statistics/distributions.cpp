@@ -70,6 +70,10 @@ double f_upper(double f, double df_1, double df_2) {
     return tail("F tail", [&] { return cdf(complement(FisherF(df_1, df_2), Real(f))); });
 }
 
+double f_quantile(double p, double df_1, double df_2) {
+    return evaluated("F quantile", [&] { return quantile(FisherF(df_1, df_2), Real(p)); });
+}
+
 double chi_squared_upper(double x, double df) {
     return tail("chi-squared tail", [&] { return cdf(complement(ChiSquared(df), Real(x))); });
 }

@@ -13,8 +13,9 @@ double t_upper(double t, double df);  // P(T >= t); the lower tail is t_upper(-t
 double t_two_sided(double t, double df);
 // t with P(|T| <= t) = confidence: half the width of an interval in standard errors.
 double t_half_width(double confidence, double df);
-double f_upper(double f, double df_1, double df_2);  // P(F >= f), f >= 0
-double chi_squared_upper(double x, double df);       // P(X >= x), x >= 0
-double chi_squared_quantile(double p, double df);    // x with P(X <= x) = p
+double f_upper(double f, double df_1, double df_2);     // P(F >= f), f >= 0
+double f_quantile(double p, double df_1, double df_2);  // f with P(F <= f) = p
+double chi_squared_upper(double x, double df);          // P(X >= x), x >= 0
+double chi_squared_quantile(double p, double df);       // x with P(X <= x) = p
 
 }  // namespace thimble

@@ -48,7 +48,8 @@ TEST(Claims, WithoutTrialsNothingIsJudged) {
           "E3.max.differs", "E3.max.hf_cf",    "E3.max.hf_ccf",  "E3.max.vf_cf",       "E3.time.differs",
           "E3.time.hf_vf",  "E3.time.hf_cf",   "E3.time.hf_ccf", "E3.time.only_delay", "D.indistinct",
           "D.delay45",      "S.length",        "E1.mean.ratio",  "E1.max.ratio",       "E2.peak.spread",
-          "E3.max.rest",    "E3.time.rest"}) {
+          "E3.max.rest",    "E3.time.rest",    "E1.mean.f",      "E1.max.f",           "E2.peak.f",
+          "E3.max.normal"}) {
         EXPECT_EQ(ids.count(id), 1U) << id;
     }
 }
@@ -80,6 +81,31 @@ TEST(Claims, SizesHaveTheirIntervals) {
     dear.add_removals({0.0002, 0.0001, 0.0001, 0.0001});
     for (const char* id : {"E1.mean.ratio", "E1.max.ratio", "E2.peak.spread"})
         EXPECT_EQ(claim_of(judge_claims(dear.rows), id).reproduced, false) << id;
+}
+
+// An F near the paper's is of its size, and one that is much larger is not.
+TEST(Claims, TheEffectIsAsLargeAsThePapersWhereItsFIsAmongThoseOfSuchStudies) {
+    EXPECT_EQ(claim_of(judge_claims(the_papers().rows), "E1.mean.f").reproduced, false);
+    PaperRows small;
+    small.add(1, 16, {0.001, 0.00108, 0.00115, 0.00119}, {11, 11, 11, 11});
+    small.add_removals({0.0005, 0.0001, 0.0001, 0.0001});
+    for (const char* id : {"E1.mean.f", "E2.peak.f"}) {
+        const Claim claim = claim_of(judge_claims(small.rows), id);
+        EXPECT_EQ(claim.reproduced, true) << id << ": " << claim.ours;
+        EXPECT_THAT(claim.ours, HasSubstr("95 % of studies")) << id;
+    }
+}
+
+TEST(Claims, AHandleThatThrowsAFewIsNotNormal) {
+    PaperRows table = the_papers();
+    const auto reproduced = [&] { return claim_of(judge_claims(table.rows), "E3.max.normal").reproduced; };
+    EXPECT_EQ(reproduced(), false);
+    for (TrialRow& row : table.rows) {
+        const bool thrown = row.conditions.experiment == 3 && row.conditions.modality == Modality::kHF &&
+                            row.conditions.subject == 1;
+        if (thrown) row.metrics.penetration_max_m = 0.3;
+    }
+    EXPECT_EQ(reproduced(), true);
 }
 
 // Where HF is the worst, a cost has the wrong sign, and a ratio of two such costs says nothing.
