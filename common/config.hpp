@@ -135,6 +135,9 @@ class ConfigFile {
     void uses(std::string_view name) const;
     const std::set<std::string>& used_files() const;
     ConfigTable table(std::string_view key) const { return root().table(key); }
+    // Every key that `read` asks for with its value, "table.key = value" as a file would write it, a line each: those of this file, and
+    // the defaults of the rest. Keys of lists of tables are left out. `read` reads this file, which has no mistakes.
+    std::string all_values(const std::function<void()>& read) const;
     // Of description(): every key that was read, in the order of reading.
     const std::vector<KeyDeclaration>& declarations() const;
     // Calls `read`, which reads this file, and throws all that is wrong with it as one Error (usage): what readers refuse and keys that

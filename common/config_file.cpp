@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
+#include <sstream>
 
 #include <fmt/ranges.h>
 
@@ -251,6 +252,24 @@ ConfigFile ConfigFile::description() {
     ConfigFile none = empty();
     none.impl_->describes = true;
     return none;
+}
+
+std::string ConfigFile::all_values(const std::function<void()>& read) const {
+    impl_->describes = true;
+    impl_->declared.clear();
+    read();
+    impl_->describes = false;
+    std::string text;
+    for (const KeyDeclaration& key : impl_->declared) {
+        const toml::node* node = impl_->root.at_path(key.path).node();
+        const bool is_table = key.types.size() == 1 && key.types[0].starts_with("table");
+        if (is_table || key.path.find('[') != std::string::npos) continue;
+        if (node == nullptr && key.fallback.empty()) continue;
+        std::ostringstream value;
+        if (node != nullptr) node->visit([&value](const auto& held) { value << held; });
+        text += fmt::format("{} = {}\n", key.path, node != nullptr ? value.str() : key.fallback);
+    }
+    return text;
 }
 
 void ConfigFile::set(std::string_view dotted_key, double value) {

@@ -224,6 +224,9 @@ class Study {
                              {"order of trials", to_string(protocol.order)},
                              {"version", kVersion},
                              {"complete", result_.complete ? "yes" : "no, interrupted"}};
+        report.provenance.insert(report.provenance.end(), options_.made_with.begin(),
+                                 options_.made_with.end());
+        say_virtual_subjects(report);
         write_report(report, options_.out / "report.html");
         write_summary(report, options_.out / "summary.json");
     }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "analysis/claims/claims.hpp"
@@ -20,7 +21,9 @@ namespace thimble {
 struct StudyOptions {
     std::vector<Protocol> protocols;  // one per experiment and delay, in order
     std::filesystem::path out;
-    std::string command;                     // as typed, for the report's provenance
+    std::string command;  // as typed, for the report's provenance
+    // More of it, as the report writes it: commit, session files, parameters.
+    std::vector<std::pair<std::string, std::string>> made_with{};
     unsigned jobs = 0;                       // threads; 0: one per core
     IfExists if_exists = IfExists::kRefuse;  // kContinue: goes on where an earlier study was interrupted
     bool trajectories = false;               // one file per trial

@@ -103,8 +103,16 @@ std::string plain_html(const ReportInput& report) {
 std::string provenance_html(const ReportInput& report) {
     if (report.provenance.empty()) return "";
     ReportTable table{"Made with", "", {"what", "value"}};
-    for (const auto& [key, value] : report.provenance) table.rows.push_back({key, value});
-    return html_element("h2", "Provenance") + "\n" + html_table(table);
+    std::string folded;
+    for (const auto& [key, value] : report.provenance) {
+        if (value.find('\n') == std::string::npos) {
+            table.rows.push_back({key, value});
+        } else {
+            folded += fmt::format("<details>\n{}\n{}\n</details>\n", html_element("summary", key),
+                                  html_element("pre", value));
+        }
+    }
+    return html_element("h2", "Provenance") + "\n" + html_table(table) + folded;
 }
 
 // Keeps the order of insertion. NaN becomes null.
@@ -253,6 +261,22 @@ ReportSection agreement_section(const std::vector<TrialRow>& real,
         agreement.same_class, agreement.compared, agreement.unmatched);
     section.tables = {std::move(agreement.metrics), std::move(agreement.classes)};
     return section;
+}
+
+void say_virtual_subjects(ReportInput& report) {
+    const std::string first = "The subjects are virtual: a model of a person did every trial.";
+    report.title += ", virtual subjects";
+    if (!report.answers.empty()) {
+        std::vector<std::string>& sentences = report.answers.front().sentences;
+        sentences.insert(sentences.begin(), first);
+    } else if (!report.sections.empty()) {
+        std::string& text = report.sections.front().text;
+        text = text.empty() ? first : first + " " + text;
+    }
+    for (ReportSection& section : report.sections) {
+        for (Figure& figure : section.drawn.figures) figure.caption += " Virtual subjects.";
+    }
+    report.provenance.emplace_back("kind of subjects", "virtual");
 }
 
 void write_report(const ReportInput& report, const std::filesystem::path& html) {

@@ -38,11 +38,14 @@ struct RunTime {
     double wall_s = 0;
 };
 
+// Names and values. A value of several lines, such as a session file, is folded in the page.
+using Provenance = std::vector<std::pair<std::string, std::string>>;
+
 // With an answer the page has it first, then a legend of the modalities, all figures, and the statistics.
 struct ReportInput {
     std::string title;
     std::vector<ReportSection> sections;
-    std::vector<std::pair<std::string, std::string>> provenance;  // seed, command, settings, versions
+    Provenance provenance;  // seed, command, settings, versions
     std::vector<Answer> answers = {};
     std::optional<RunTime> time = {};  // of a run; for summary.json
 };
@@ -53,6 +56,9 @@ ReportSection trials_section(std::string title, const std::vector<TrialRow>& row
 // Real processes against the same trials (experiment, subject, trial, modality, delay) in virtual time.
 ReportSection agreement_section(const std::vector<TrialRow>& real,
                                 const std::vector<TrialRow>& in_virtual_time);
+
+// No person did these trials: title, first line, every caption and the provenance say so.
+void say_virtual_subjects(ReportInput& report);
 
 // Both replace an existing file and throw Error (run failed) if it cannot be written.
 void write_report(const ReportInput& report, const std::filesystem::path& html);

@@ -202,6 +202,11 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     return s;
 }
 
+std::string all_parameters(const std::filesystem::path& path) {
+    const ConfigFile file = path.empty() ? ConfigFile::empty() : ConfigFile::load(path);
+    return file.all_values([&] { read_tables(file); });
+}
+
 void require_simulated_hand(const SystemSettings& settings, std::string_view command) {
     const auto refuse = [command](const char* person, const char* key) {
         throw Error(ExitCode::kUsage,

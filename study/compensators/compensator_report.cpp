@@ -82,7 +82,7 @@ std::vector<CompensatorNetwork> standard_networks() {
 
 void write_compensator_report(const SystemSettings& settings, const CompensatorStudyOptions& options,
                               const std::vector<CompensatorTrial>& trials, const std::string& command,
-                              const std::filesystem::path& out) {
+                              const Provenance& made_with, const std::filesystem::path& out) {
     const std::vector<CompensatorRow> rows = condense(settings, options, trials);
     const std::vector<std::string> findings = compensator_findings(rows, trials);
     write_text_file(out / "compensators.csv", compensator_rows_csv(rows));
@@ -104,6 +104,8 @@ void write_compensator_report(const SystemSettings& settings, const CompensatorS
                          {"jitter", fmt::format("uniform, +-{:g} ms, on the force path", 1000 * kJitter_s)},
                          {"loss", fmt::format("{:g} %, on each way", 100 * kLoss)},
                          {"version", kVersion}};
+    report.provenance.insert(report.provenance.end(), made_with.begin(), made_with.end());
+    say_virtual_subjects(report);
     write_report(report, out / "report.html");
     write_summary(report, out / "summary.json");
 }

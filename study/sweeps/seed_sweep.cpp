@@ -83,6 +83,8 @@ void write_sweep_report(const SweepOptions& options, std::string title, std::vec
                          {what, std::to_string(studies)},
                          {"version", kVersion},
                          {"complete", complete ? "yes" : "no, interrupted"}};
+    report.provenance.insert(report.provenance.end(), options.made_with.begin(), options.made_with.end());
+    say_virtual_subjects(report);
     write_report(report, options.out / "report.html");
 }
 

@@ -23,8 +23,9 @@ struct SweepOptions {
     std::vector<Protocol> protocols;  // with the first seed; the others follow it
     std::uint32_t seeds = 1;          // studies per setting
     std::filesystem::path out;
-    std::string command;  // for the report's provenance
-    unsigned jobs = 0;    // threads; 0: one per core
+    std::string command;     // for the report's provenance
+    Provenance made_with{};  // more of it: commit, session files, parameters
+    unsigned jobs = 0;       // threads; 0: one per core
     IfExists if_exists = IfExists::kRefuse;
     const std::atomic<bool>* stop = nullptr;
 };

@@ -173,7 +173,7 @@ int compare_compensators(CompensatorsArguments arguments) {
     print_rows(condense(settings, arguments.study, trials));
     if (!arguments.out.empty()) {
         write_compensator_report(settings, arguments.study, trials, compensators_command(arguments),
-                                 arguments.out);
+                                 made_with({arguments.session}), arguments.out);
         fmt::print("report: {}\n", (std::filesystem::path(arguments.out) / "report.html").string());
     }
     return static_cast<int>(ExitCode::kOk);

@@ -146,6 +146,7 @@ int run_for_real(const RealRunArguments& given, const SystemSettings& settings,
     options.starter = starter;
     options.network = network_of(arguments.config, arguments.base_port);
     options.stop = &stop_requested();
+    options.made_with = made_with({arguments.config});
     require_protection(options.network);
     if (is_real(settings.handle.kind)) require_protection_of_handle(options.network);
     if (options.clock != RunClock::kVirtual) warn_if_unprotected(options.network);

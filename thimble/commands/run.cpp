@@ -333,6 +333,9 @@ class Run {
             if (const auto& own = settings_.launch.own_program(node.role); options_.starter && !own.empty())
                 report.provenance.emplace_back(node.program, own.string());
         }
+        report.provenance.insert(report.provenance.end(), options_.made_with.begin(),
+                                 options_.made_with.end());
+        if (!held_by_person(settings_.handle.kind)) say_virtual_subjects(report);
         write_report(report, options_.out / "report.html");
         write_summary(report, options_.out / "summary.json");
     }

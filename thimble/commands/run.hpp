@@ -30,7 +30,8 @@ constexpr const char* to_string(RunClock clock) {
 struct RunOptions {
     std::shared_ptr<NodeStarter> starter;  // none: steer nodes that run already, over the network they have
     std::filesystem::path out;
-    std::string command;  // as typed, for the report's provenance
+    std::string command;                                           // as typed, for the report's provenance
+    std::vector<std::pair<std::string, std::string>> made_with{};  // more of it
     NetworkSettings network;
     RuntimeSettings runtime;
     RunClock clock = RunClock::kWall;

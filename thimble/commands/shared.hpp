@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/report/report.hpp"
 #include "common/network_settings.hpp"
 #include "session/records/trial_table.hpp"
 #include "session/settings/session_files.hpp"
@@ -16,6 +17,9 @@ class Option;
 }  // namespace CLI
 
 namespace thimble {
+
+// For a report's provenance: the commit, each session file as it was read, and all parameters. An empty path: the defaults.
+Provenance made_with(const std::vector<std::filesystem::path>& session_files);
 
 // --base-port; 0 unless it is given.
 void add_base_port_option(CLI::App& command, int& base_port);

@@ -52,6 +52,7 @@ struct StudyDesign {
     std::vector<Protocol> protocols;
     bool paper = true;
     std::string words;  // of a command line that names it
+    Provenance made_with{};
 };
 
 // --experiment N is the short form of the paper's sessions.
@@ -88,6 +89,7 @@ StudyDesign design_of(const StudyArguments& a) {
         for (Protocol& protocol : session_protocols(design.settings))
             design.protocols.push_back(std::move(protocol));
     }
+    design.made_with = made_with(files);
     design.words = files.size() > 1 ? "--experiment all" : shipped_name(files[0]).value_or(files[0].string());
     return design;
 }
@@ -204,6 +206,7 @@ SweepOptions sweep_options(const StudyArguments& arguments, const StudyDesign& d
     options.seeds = arguments.seeds;
     options.out = arguments.out;
     options.command = study_command(arguments, design);
+    options.made_with = design.made_with;
     options.jobs = arguments.jobs;
     if (arguments.overwrite) options.if_exists = IfExists::kReplace;
     options.stop = &stop_requested();
@@ -216,6 +219,7 @@ StudyOptions study_options(const StudyArguments& arguments, const StudyDesign& d
     options.paper_design = design.paper;
     options.out = arguments.out;
     options.command = study_command(arguments, design);
+    options.made_with = design.made_with;
     options.jobs = arguments.jobs;
     if (arguments.overwrite) options.if_exists = IfExists::kReplace;
     if (arguments.resume) options.if_exists = IfExists::kContinue;

@@ -168,6 +168,27 @@ TEST(Report, SummaryHasTheNumbersOfTheTables) {
     EXPECT_TRUE(condition["metrics"]["peak_displacement_m"]["mean"].is_null());
 }
 
+TEST(Report, SaysEverywhereThatTheSubjectsAreVirtualAndFoldsFiles) {
+    const TemporaryDirectory directory;
+    ReportSection section;
+    section.drawn.figures.push_back({"bars", "Bars", "Means.", "<svg></svg>"});
+    ReportInput report{"Study", {section}, {{"session file x.toml", "[session]\nsubject = 1 # <1>\n"}}};
+    report.answers = {{"", {"One."}}};
+    say_virtual_subjects(report);
+    write_report(report, directory / "report.html");
+    const std::string html = read_text(directory / "report.html");
+    EXPECT_EQ(count(html, "Study, virtual subjects"), 2U) << "title and heading";
+    EXPECT_LT(html.find("The subjects are virtual"), html.find("One."));
+    EXPECT_EQ(count(html, "<figcaption>Means. Virtual subjects.</figcaption>"), 1U);
+    EXPECT_EQ(count(html, "<summary>session file x.toml</summary>"), 1U);
+    EXPECT_EQ(count(html, "<pre>[session]\nsubject = 1 # &lt;1&gt;\n</pre>"), 1U);
+    EXPECT_EQ(count(html, "kind of subjects"), 1U);
+    report.answers.clear();
+    report.sections.front().text = "Two.";
+    say_virtual_subjects(report);
+    EXPECT_TRUE(report.sections.front().text.starts_with("The subjects are virtual")) << "without an answer";
+}
+
 TEST(Report, SummaryHoldsAPathThatIsNoUtf8AsFarAsItGoes) {
     const TemporaryDirectory directory;
     ReportInput report{"Study", {}, {{"command", "thimble study --out caf\xe9"}, {"\xff", "1"}}};

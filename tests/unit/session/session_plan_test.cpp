@@ -31,6 +31,19 @@ std::filesystem::path scratch() {
     return folder;
 }
 
+// For a report's provenance.
+TEST(AllParameters, AreTheFilesAndTheDefaultsOfTheRest) {
+    const auto file = scratch() / "all.toml";
+    std::ofstream(file) << "[operator]\ncriterion_N = 3.5\n[session]\nmodalities = ['HF', 'VF']\n";
+    const std::string text = "\n" + all_parameters(file);
+    for (const char* line :
+         {"operator.criterion_N = 3.5", "session.modalities = [ 'HF', 'VF' ]", "session.seed = 1",
+          "operator.reaction_visual_s = 0.24", "netem.force.loss = 0", "visual.picture_delayed = false"}) {
+        EXPECT_THAT(text, HasSubstr(std::string("\n") + line + "\n"));
+    }
+    EXPECT_THAT("\n" + all_parameters({}), HasSubstr("\noperator.criterion_N = 2\n"));
+}
+
 TEST(SessionPlan, TheNetworksDelayIsThatOfTheSession) {
     EXPECT_THAT(settings_of("[netem.force]\ndelay_s = 0.009\n").plan.delays, ElementsAre(milliseconds{9}));
     EXPECT_THAT(settings_of("[netem.force]\nprofile = 'paper50'\n").plan.delays,
