@@ -57,7 +57,7 @@ ReportSection trials_section(std::string title, const std::vector<TrialRow>& row
 ReportSection agreement_section(const std::vector<TrialRow>& real,
                                 const std::vector<TrialRow>& in_virtual_time);
 
-// No person did these trials: title, first line, every caption and the provenance say so.
+// For a report of virtual subjects: names them in title, first line, every caption and the provenance.
 void say_virtual_subjects(ReportInput& report);
 
 // Both replace an existing file and throw Error (run failed) if it cannot be written.

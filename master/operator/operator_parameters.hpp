@@ -26,8 +26,8 @@ struct HandMechanics {
     double grip_damping_ratio = 0.6;       // [M] the same; pulp dissipates 81 % of a tap, Jindrich 2003 [V]
     double friction_learned_speed_m_per_s =
         5e-4;  // [A] where the learned feed-forward of friction changes sign
-    // Arm and grip are stiffer under load, by these fractions per newton; 0: off. That stiffness grows linearly with force: [V] of the
-    // grip, Hoeppner, McIntyre and van der Smagt 2013 (abstract); [M] of the arm, Lacquaniti 1982. The slopes are [A].
+    // Arm and grip are stiffer under load, by these fractions per newton; 0: off. Stiffness grows linearly with grip force [V]
+    // (Hoeppner, McIntyre and van der Smagt 2013, abstract), and with the arm's load [M] (Lacquaniti 1982). The slopes are [A].
     double load_stiffness_per_N = 0;
     double load_damping_per_N = 0;
     double load_lag_s = 0.05;  // [A] until a muscle has built up its force
@@ -80,8 +80,8 @@ struct ReactionParameters {
     double visual_s = 0.240;        // [V2] Welford 1980: 189 ms; middle of 189-290
     double auditory_s = 0.147;      // [V2] Welford 1980
     double trial_variation = 0.18;  // [M] coefficient of variation between decisions
-    // Costs of a switch since the trial before, in the first reaction to the fixture; 0: off. That another sense takes longer, and the
-    // same one does not: [V] Spence, Nicholls and Driver 2001 (abstract). Of the other hand: [M] Miles 2011. Sizes are [A].
+    // Costs of a switch since the trial before, in the first reaction to the fixture; 0: off. Another sense takes longer, and the trial
+    // before primes the same one [V] (Spence, Nicholls and Driver 2001, abstract). The other hand is [M] (Miles 2011). Sizes are [A].
     double switch_modality_s = 0, switch_hand_s = 0;
 };
 
@@ -106,8 +106,8 @@ struct BehaviourParameters {
     double push_s = 0.25;              // [A] kPush
     double cocontraction = 0.25;       // [A] Tee and Burdet 2004 [V]: stiffness rises with instability
     double cocontraction_limit = 1.0;  // [A]
-    // The n-th trial's operator slows by n^-x and stiffens by n^x of what the first one's does after a loss; 0: off. That stiffness
-    // adapts across trials: [V] Selen, Franklin and Wolpert 2009 (abstract); the power law: [M] Newell and Rosenbloom 1981; x: [A].
+    // After a loss the operator of trial n slows by n^-x and stiffens by n^x of what trial 1 does; 0: off. Stiffness adapts across
+    // trials [V] (Selen, Franklin and Wolpert 2009, abstract). The power law is [M] (Newell and Rosenbloom 1981), and x is [A].
     double learning_exponent = 0;
     double press_N = 0;  // [A] HF: leans on the fixture by so much more than it took to feel it; 0: off
 };
@@ -122,8 +122,8 @@ struct SubjectSpread {
     double reaction = 0.10;           // [M]
     double reaction_modality = 0.05;  // [M] subject x modality
     double press = 0.3;               // [A]
-    // Between those who know haptic devices and those who do not, of criterion, press and reaction: [P] half of them do (8 of 16,
-    // 5 of 10), [A] every second one here, and how much; 0: off.
+    // Of criterion, press and reaction, between subjects with and without experience of haptic devices; 0: off. Half of the paper's
+    // subjects have it [P] (8 of 16, 5 of 10). Here every second one has it [A].
     double experience = 0;
 };
 

@@ -67,7 +67,7 @@ class ReactionTimes {
     RandomStream random_;
 };
 
-// What the trial's modality costs after `before`: another sense (joints, skin, eyes), another hand that feels.
+// The cost of a switch: to another sense (joints, skin, eyes), and to another hand that feels.
 double switch_cost_s(const ReactionParameters& parameters, Modality before, Modality now);
 
 // The key of one purpose in this trial.

@@ -1,9 +1,8 @@
-// Long-latency stretch reflex: a stretch of the arm is countered one latency later, before any decision.
-//     x_reflex(t) = -g (e(t - L) - e(t - L - W)),   e = x_a - x_cmd: how far the arm is from where it was meant to be
-// Only what changed within the window W counts, so that a steady load gives no answer: the reflex would wind up against a wall.
-// Sources: the response lies 50 to 100 ms after the stretch [V] (Pruszynski and Scott 2012, Exp Brain Res 218:341; Kurtzer 2015, Front
-// Integr Neurosci 8:99, abstracts). It is larger where the environment is compliant [V] (Shemmell, Krutky and Perreault 2010, Clin
-// Neurophysiol 121:1680, abstract). The law itself and its gain are [A].
+// Long-latency stretch reflex. It counters a stretch of the arm one latency later, before any decision.
+// Only a change within the window W counts, so a steady load gives no answer. The reflex would wind up against a wall otherwise.
+// The response lies 50 to 100 ms after the stretch [V] (abstracts of Pruszynski and Scott 2012, Exp Brain Res 218:341, and of
+// Kurtzer 2015, Front Integr Neurosci 8:99). It is larger where the environment is compliant [V] (abstract of Shemmell, Krutky and
+// Perreault 2010, Clin Neurophysiol 121:1680). The law itself and its gain are [A].
 #pragma once
 
 #include <algorithm>
@@ -15,6 +14,7 @@
 
 namespace thimble {
 
+// x_reflex(t) = -g (e(t - L) - e(t - L - W)), with e = x_a - x_cmd
 class StretchReflex {
   public:
     explicit StretchReflex(const ReflexParameters& parameters)

@@ -1,5 +1,5 @@
-// A recorded trial as the scenes that the subject's screen showed: the forces arrive one network delay after they were
-// recorded, the picture at once or with them, and VisualNode says what may be seen of them.
+// A recorded trial as the scenes that the subject's screen showed. The forces arrive one network delay after they were
+// recorded, the picture at once or with them. VisualNode decides which part of it is seen.
 #pragma once
 
 #include "session/play/recorded_trial.hpp"

@@ -76,7 +76,7 @@ TEST(DelayExperiment, FingersAndBarDoNotDependOnTheKinestheticPath) {
     }
 }
 
-// What the eyes are told, and when.
+// Keeps the percepts of the eyes with their times.
 class Eyes final : public Tap {
   public:
     Eyes(Channel& inner, std::vector<std::pair<SessionTime, Percept>>& seen) : Tap(inner), seen_(&seen) {}

@@ -1,4 +1,4 @@
-// What a report was made with: which program, which session files, which values of all parameters.
+// The origin of a report: the program, its session files, the values of all parameters.
 #include <fstream>
 #include <iterator>
 #include <string>

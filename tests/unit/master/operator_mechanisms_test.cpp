@@ -1,4 +1,4 @@
-// What each mechanism of the operator that is off by default does alone.
+// Each mechanism of the operator that is off by default, alone.
 #include <algorithm>
 #include <array>
 #include <cmath>
