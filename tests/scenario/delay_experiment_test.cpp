@@ -98,7 +98,9 @@ std::pair<double, double> lateness_of_sight_s(bool picture_delayed) {
     std::vector<std::pair<SessionTime, Percept>> seen;
     Rig rig(settings, tap_on<Eyes>({Wire::kPerceptVisual}, seen));
     rig.start(trial_of(Modality::kVF, kPaperDelay));
-    EXPECT_TRUE(rig.run_until_sample([](const auto& s) { return s.phase != TissuePhase::kFree; }));
+    EXPECT_TRUE(rig.run_until_sample([](const auto& s) {
+        return s.phase != TissuePhase::kFree || s.position_needle_m >= s.position_surface_m;
+    }));
     const SessionTime touched = rig.now();
     EXPECT_TRUE(rig.run_until_sample([](const auto& s) { return s.force_total_N < -1; }));
     const SessionTime resisted = rig.now();
