@@ -1,5 +1,5 @@
-# cmake -DSOURCE=FOLDER -DHEADER=FILE -P: writes the commit of the sources into a header, "-dirty" behind it if they have
-# changed since. The file is touched only where its text changes, so that nothing is compiled anew without a reason.
+# cmake -DSOURCE=FOLDER -DOUTPUT=FILE -P: writes the commit of the sources as source_commit() (thimble/commands/shared.hpp), "-dirty"
+# behind it if they have changed since. The file is touched only where its text changes: nothing is compiled anew without a reason.
 set(COMMIT unknown)
 find_package(Git QUIET)
 if(GIT_FOUND AND EXISTS ${SOURCE}/.git)
@@ -10,11 +10,11 @@ if(GIT_FOUND AND EXISTS ${SOURCE}/.git)
         set(COMMIT ${DESCRIBED})
     endif()
 endif()
-set(TEXT "#pragma once\n\n#define THIMBLE_COMMIT \"${COMMIT}\"\n")
+set(TEXT "#include \"thimble/commands/shared.hpp\"\n\nconst char* thimble::source_commit() { return \"${COMMIT}\"; }\n")
 set(BEFORE "")
-if(EXISTS ${HEADER})
-    file(READ ${HEADER} BEFORE)
+if(EXISTS ${OUTPUT})
+    file(READ ${OUTPUT} BEFORE)
 endif()
 if(NOT BEFORE STREQUAL TEXT)
-    file(WRITE ${HEADER} "${TEXT}")
+    file(WRITE ${OUTPUT} "${TEXT}")
 endif()

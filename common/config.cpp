@@ -127,7 +127,7 @@ std::optional<ConfigTable> ConfigTable::number_or_table(std::string_view key, do
     const toml::node* node = file_->impl_->root.at_path(join(path_, key)).node();
     const bool is_table = node != nullptr && node->is_table();
     if (!is_table) read(key, value, low, high, help);
-    if (is_table || describes()) return table(key);
+    if (is_table || (describes() && node == nullptr)) return table(key);
     return std::nullopt;
 }
 

@@ -55,6 +55,14 @@ bool has_word(std::string_view text, std::string_view word) {
     return false;
 }
 
+std::string as_written(const toml::node& node) {
+    // The shortest digits: those of the library say 0.1 as 0.10000000000000001.
+    if (node.is_floating_point()) return fmt::format("{}", *node.value<double>());
+    std::ostringstream text;
+    node.visit([&text](const auto& held) { text << held; });
+    return text.str();
+}
+
 // All that is wrong with a file, each key once.
 class Mistakes {
   public:
@@ -265,9 +273,7 @@ std::string ConfigFile::all_values(const std::function<void()>& read) const {
         const bool is_table = key.types.size() == 1 && key.types[0].starts_with("table");
         if (is_table || key.path.find('[') != std::string::npos) continue;
         if (node == nullptr && key.fallback.empty()) continue;
-        std::ostringstream value;
-        if (node != nullptr) node->visit([&value](const auto& held) { value << held; });
-        text += fmt::format("{} = {}\n", key.path, node != nullptr ? value.str() : key.fallback);
+        text += fmt::format("{} = {}\n", key.path, node != nullptr ? as_written(*node) : key.fallback);
     }
     return text;
 }

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "source_commit.hpp"
 #include "thimble/commands/shared.hpp"
 
 namespace thimble {
@@ -21,7 +20,7 @@ std::string text_of(const std::filesystem::path& file) {
 }  // namespace
 
 Provenance made_with(const std::vector<std::filesystem::path>& session_files) {
-    Provenance rows{{"commit", THIMBLE_COMMIT}};
+    Provenance rows{{"commit", source_commit()}};
     for (const std::filesystem::path& file : session_files) {
         const std::string name = file.empty() ? "the defaults" : file.filename().string();
         if (!file.empty()) rows.emplace_back("session file " + name, text_of(file));

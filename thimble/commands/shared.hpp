@@ -18,6 +18,9 @@ class Option;
 
 namespace thimble {
 
+// The commit that this program was built from, "-dirty" behind it if the sources had changed; "unknown" without git.
+const char* source_commit();
+
 // For a report's provenance: the commit, each session file as it was read, and all parameters. An empty path: the defaults.
 Provenance made_with(const std::vector<std::filesystem::path>& session_files);
 

@@ -44,6 +44,21 @@ TEST(AllParameters, AreTheFilesAndTheDefaultsOfTheRest) {
     EXPECT_THAT("\n" + all_parameters({}), HasSubstr("\noperator.criterion_N = 2\n"));
 }
 
+// Keys of several types, lists of tables, and every session that comes with the program.
+TEST(AllParameters, AreListedOfAnyFileThatIsRead) {
+    const auto file = scratch() / "rich.toml";
+    std::ofstream(file) << "[session]\nsubject = 3\ndelays_s = ['50ms']\n[netem.needle]\nloss = 0.01\n"
+                           "[[netem.needle.outage]]\nstart_s = 1\nlength_s = 0.1\n"
+                           "[netem.force.loss]\nmodel = 'gilbert'\ngood_to_bad = 0.1\nbad_to_good = 0.5\n"
+                           "[[netem.force.timeline]]\nat_s = 2\nloss = 0.1\n";
+    load_system_settings(file);
+    EXPECT_THAT(all_parameters(file), AllOf(HasSubstr("netem.needle.loss = 0.01\n"),
+                                            HasSubstr("netem.force.loss.good_to_bad = 0.1\n"),
+                                            HasSubstr("session.delays_s = [ '50ms' ]\n")));
+    for (const auto& shipped : std::filesystem::directory_iterator(THIMBLE_SOURCE_DIR "/deploy/sessions"))
+        EXPECT_THAT(all_parameters(shipped.path()), HasSubstr("\nsession.seed = ")) << shipped.path();
+}
+
 TEST(SessionPlan, TheNetworksDelayIsThatOfTheSession) {
     EXPECT_THAT(settings_of("[netem.force]\ndelay_s = 0.009\n").plan.delays, ElementsAre(milliseconds{9}));
     EXPECT_THAT(settings_of("[netem.force]\nprofile = 'paper50'\n").plan.delays,
