@@ -76,7 +76,7 @@ TEST(Cutaway, IsInASceneWhereItIsAskedFor) {
         node.start_trial(from_nanoseconds(1), control, 1);
         ForceFeedback feedback;
         feedback.position_needle_m = 0.1;
-        node.on_feedback(node.next_frame(), feedback);
+        node.on_picture(node.next_frame(), feedback);
         const Scene scene = node.frame(node.next_frame()).value();
         ASSERT_EQ(scene.cut_away.has_value(), asked);
         if (!asked) continue;
