@@ -40,9 +40,9 @@ MeshPainter::MeshPainter()
     glEnableVertexAttribArray(0);
     glEnableVertexAttribArray(1);
     glVertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(Mesh::Vertex), nullptr);
-    const auto colour_at = offsetof(Mesh::Vertex, rgba);
-    glVertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(Mesh::Vertex),
-                          reinterpret_cast<const void*>(colour_at));
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): OpenGL takes an offset as a pointer
+    const auto* const colour_at = reinterpret_cast<const void*>(offsetof(Mesh::Vertex, rgba));
+    glVertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(Mesh::Vertex), colour_at);
 }
 
 MeshPainter::~MeshPainter() {
