@@ -8,6 +8,7 @@
 #include "tests/views/pixels.hpp"
 #include "tests/window/virtual_screen.hpp"
 #include "visual_node/views/player_panel.hpp"
+#include "visual_node/visual_node.hpp"
 #include "visual_node/window/window_loop.hpp"
 
 namespace thimble {
@@ -16,7 +17,7 @@ namespace {
 constexpr double kWall_m = 0.115, kRest_m = 0.02;
 
 struct State {
-    const char* name;
+    const char* name = "";
     Modality modality = Modality::kHF;
     TissuePhase phase = TissuePhase::kFree;
     double needle_m = 0, surface_m = kRest_m, force_N = 0, hand_m = 0;

@@ -17,8 +17,8 @@ class FrameTimes;  // frame_times.hpp: how long each stage from hand to light to
 struct OverlayFrame {
     const GlWindow& window;
     const GuiLayer& gui;
-    const FrameTimes* times;           // null where no scene is drawn
-    std::optional<bool> hand_holds{};  // whether the pointer has the needle; nothing where it never does
+    const FrameTimes* times = nullptr;  // null where no scene is drawn
+    std::optional<bool> hand_holds{};   // whether the pointer has the needle; nothing where it never does
 };
 
 class Overlay : boost::noncopyable {
