@@ -99,12 +99,13 @@ Scene scene_of(const State& state) {
     node.start_trial(from_nanoseconds(1), control, 1);
     ForceFeedback feedback;
     feedback.position_surface_m = kRest_m;
-    node.on_feedback(node.next_frame(), feedback);
+    node.on_picture(node.next_frame(), feedback);
     feedback.position_needle_m = state.needle_m;
     feedback.position_surface_m = state.surface_m;
     feedback.phase = state.phase;
     feedback.force_tissue_N = feedback.force_total_N = -state.force_N;
-    node.on_feedback(node.next_frame(), feedback);
+    node.on_picture(node.next_frame(), feedback);
+    node.on_force(node.next_frame(), feedback);
     return node.frame(node.next_frame()).value();
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/findings.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 
