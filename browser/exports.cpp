@@ -108,7 +108,7 @@ EMSCRIPTEN_KEEPALIVE void draw(int side, double width, double height, int fixtur
     build_cutaway(scene, plan, one.mesh);
     one.labels = lines_of(cutaway_labels(scene, plan));
 }
-// A sample of a recorded trial, for draw(). `fixture_m` is no number where nobody touched the fixture.
+// A sample of a recorded trial, for draw(). Without a known fixture `fixture_m` is NaN.
 EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_m, double fixture_m,
                                       double tissue_N, double fixture_N, int phase, int modality) {
     CutAway cut;

@@ -44,7 +44,7 @@ struct LiveChoice {
     std::uint64_t seed = 1;
 };
 
-// What the page shows beside the picture. SI units; forces act on the operator, negative resists insertion.
+// The numbers that the page shows beside the picture. SI units; forces act on the operator, negative resists insertion.
 struct LiveState {
     double time_s = 0;  // of the running trial
     double needle_m = 0, surface_m = 0, fixture_m = 0;

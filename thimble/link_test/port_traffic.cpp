@@ -77,7 +77,7 @@ std::array<PortTraffic, kPortCount> session_traffic() {
         of(NeedleCommand{}, kSamples_Hz, true),
         of(ForceFeedback{}, kSamples_Hz, true),
         of(Percept{}, kSamples_Hz, true),
-        of(Percept{}, 60),         // frames of the screen
+        of(Percept{}, 60),  // frames of the screen
         of(HandInput{}, kSamples_Hz, true),
         of(Order{}, 50),
         of(Monitor{}, 250),
