@@ -92,16 +92,19 @@ TEST(HapticLoopBudget, IsWhatFrictionAndTheHandsDampingAllow) {
     EXPECT_EQ(hold_with(milliseconds{20}, 0).oscillated, kAll);
 }
 
-// Only the sum counts for the hand: until the beep, whose way to the ear begins at the environment, the
+// Only the sum counts for a hand and eyes that both wait for it: until the beep, whose way to the ear begins at the environment, the
 // needle moves the same however the 50 ms are split.
 TEST(DelaySplit, TheTrajectoryIsTheSameUntilTheBeep) {
     for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kVF}) {
-        const TrialRecord whole = run_virtual_trial(paper(), trial_of(modality, kPaperDelay));
+        SystemSettings at_once = paper();
+        at_once.visual.picture_delayed = true;
+        const TrialRecord whole = run_virtual_trial(at_once, trial_of(modality, kPaperDelay));
         const auto until_beep = static_cast<std::size_t>(1000 * whole.beep_time_s);
         for (const Duration needle : {milliseconds{25}, milliseconds{50}}) {
             const Duration force = kPaperDelay - needle;
-            const TrialRecord split =
-                run_virtual_trial(paper_with_delays(needle, {}), trial_of(modality, force));
+            SystemSettings in_parts = at_once;
+            in_parts.netem.needle.delay = needle;
+            const TrialRecord split = run_virtual_trial(in_parts, trial_of(modality, force));
             EXPECT_GE(common_samples(whole, split), until_beep)
                 << to_string(modality) << ' ' << to_seconds(needle);
             EXPECT_EQ(split.beep_time_s, whole.beep_time_s);
