@@ -51,6 +51,7 @@ void LiveTrial::start_trial() {
     conditions.delay_s = session_->session().delay_s();
     conditions.fixture_position_m = draw_fixture_position_m(protocol, conditions.subject, conditions.trial);
     lost_at_s_.clear();
+    beeps_before_ = display_.beeps();
     touching_ = false;
     session_->start(conditions);
 }
@@ -112,7 +113,7 @@ LiveState LiveTrial::state() const {
         static_cast<double>(std::count_if(lost_at_s_.begin(), lost_at_s_.end(),
                                           [&](double at) { return at > state.time_s - kFrequencySpan_s; })) /
         kFrequencySpan_s;
-    state.beeps = static_cast<double>(display_.beeps());
+    state.beeps = static_cast<double>(display_.beeps() - beeps_before_);
     state.trials = trials_ - 1;
     return state;
 }

@@ -56,7 +56,7 @@ struct LiveState {
     double contacts_lost = 0;  // of the fixture, in this trial
     double frequency_Hz = 0;   // contacts lost per second, of the last two seconds
     double hold_s = 0;         // unbroken contact with the fixture
-    double beeps = 0;          // since the start
+    double beeps = 0;          // of this trial
     double trials = 0;         // ended
     double hand_m = 0;         // where the hand wants the needle
 };
@@ -92,6 +92,7 @@ class LiveTrial {
     SessionTime end_{};  // of what has been granted
     HandInput hand_{};
     std::uint32_t trials_ = 0;
+    std::uint64_t beeps_before_ = 0;
     bool touching_ = false;
     std::vector<double> lost_at_s_;  // of this trial
 };

@@ -46,8 +46,15 @@ class Engine {
   networks() { return this.lines(this.m._networks()).map((line) => line.split('\t')); }
   compensators() { return this.lines(this.m._compensators()); }
 
+  // One after the other: the C++ has one study at a time.
+  alone(work) {
+    const turn = (this.turn ?? Promise.resolve()).then(work);
+    this.turn = turn.catch(() => {});
+    return turn;
+  }
+  study(...choice) { return this.alone(() => this.runStudy(...choice)); }
   // Experiment 3, in slices that leave the page time to draw.
-  async study(seed, subjects, tell) {
+  async runStudy(seed, subjects, tell) {
     this.m._begin_study(seed, subjects);
     const start = performance.now();
     for (let more = true; more;) {
@@ -62,8 +69,10 @@ class Engine {
       return { modality, mean, max, time, shakes, subject };
     });
   }
-  async digest(seed) {
-    await this.study(seed, 1);
+  digest(seed) { return this.alone(() => this.digestOf(seed)); }
+  async digestOf(seed) {
+    if (!crypto.subtle) throw new Error(say('digest_secure'));
+    await this.runStudy(seed, 1);
     this.m.ccall('write_study', null, ['string'], ['/trials.csv']);
     const hash = new Uint8Array(await crypto.subtle.digest('SHA-256', this.m.FS.readFile('/trials.csv')));
     return Array.from(hash, (byte) => byte.toString(16).padStart(2, '0')).join('');

@@ -195,7 +195,8 @@ class Page {
   async showDigest() {
     const seed = Math.max(1, Math.round(+$('seed').value || 1));
     $('digest-text').textContent = say('digest_wait');
-    const digest = await this.engine.digest(seed);
+    let digest = '';
+    try { digest = await this.engine.digest(seed); } catch (error) { $('digest-text').textContent = error.message; return; }
     $('digest-text').textContent = `${digest}\n\nthimble study --experiment 3 --subjects 1 --no-control --seed ${seed} --out out/seed${seed}\nsha256sum out/seed${seed}/trials.csv`;
   }
 }

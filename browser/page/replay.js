@@ -18,6 +18,7 @@ class Replay {
     const at = Replay.columns.map((name) => names.indexOf(name)), phase = names.indexOf('tissue_phase');
     this.rows = lines.slice(1).map((line) => line.split(',')).map((cells) => [...at.map((i) => +cells[i]), cells[phase] === 'penetrated' ? 2 : cells[phase] === 'contact' ? 1 : 0])
       .filter((row) => row.every(Number.isFinite));
+    if (!this.rows.length) { $('replay').hidden = true; $('replay-error').textContent = say('replay_empty'); return; }
     const touched = this.rows.find((row) => row[4] !== 0);
     this.wall = touched ? touched[1] : NaN;
     this.modality = Math.max(0, MODALITIES.findIndex((name) => new RegExp(`(^|_)${name}(_|\\.)`).test(file.name)));

@@ -79,6 +79,7 @@ TEST(LiveTrial, AfterTheBeepAndTheWayOutTheNextTrialBegins) {
     }
     EXPECT_EQ(trial.state().trials, 1);
     EXPECT_EQ(trial.state().contacts_lost, 0);
+    EXPECT_EQ(trial.state().beeps, 0);
 }
 
 TEST(LiveTrial, LetGoTheNeedleRests) {

@@ -69,7 +69,7 @@ TEST_F(Newcomer, PushesTheNeedleInStopsAndGoesOnByTheScreenAlone) {
     EXPECT_TRUE(idle(view_.monitor())) << "still stopped";
     EXPECT_TRUE(wait_until([&] {
         static_cast<void>(
-            hand({"mousedown", "1", "sleep", "1.5", "mouseup", "1", "sleep", "0.8", "type", "1"}));
+            hand({"mousedown", "1", "sleep", "2.5", "mouseup", "1", "sleep", "0.8", "type", "1"}));
         view_.listen(wall_now());
         return running(view_.monitor());
     })) << read_text(folder_ / "words");

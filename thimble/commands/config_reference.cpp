@@ -26,7 +26,7 @@ struct KeyUnit {
     std::string_view ending, unit;
 };
 // The longer of two endings first: "_Ns_per_m" also ends in "_m".
-constexpr std::array<KeyUnit, 21> kUnits{{
+constexpr std::array<KeyUnit, 22> kUnits{{
     {"_m2_per_s3", "m²/s³"},
     {"_Ns_per_m", "N s/m"},
     {"_N_per_m", "N/m"},
@@ -36,6 +36,7 @@ constexpr std::array<KeyUnit, 21> kUnits{{
     {"_bits_per_s", "bit/s"},
     {"_per_Nm", "1/(N m)"},
     {"counts_per_turn", "counts/turn"},
+    {"_per_N", "1/N"},
     {"_exponent_per_m", "1/m"},
     {"_Hz", "Hz"},
     {"_kg", "kg"},

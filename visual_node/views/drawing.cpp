@@ -172,17 +172,15 @@ void draw_stop_strip(StopControl& stops, const Rect& strip, double scale, Sessio
     for (const ImGuiCol_ part : {ImGuiCol_Button, ImGuiCol_ButtonHovered, ImGuiCol_ButtonActive})
         ImGui::PushStyleColor(part, paint(colour));
     ImGui::PushStyleColor(ImGuiCol_Text, paint(kBlack));
-    const bool hit = ImGui::Button(
-        holds ? "STOPPED: no force\nhold for 1 s to release###stop" : "STOP  [Backspace]###stop",
-        extent(cell));
+    ImGui::Button(holds ? "STOPPED: no force\nhold for 1 s to release###stop" : "STOP  [Backspace]###stop",
+                  extent(cell));
     ImGui::PopStyleColor(4);
-    const double near = stops.press(now, holds && ImGui::IsItemActive());
+    const double near = stops.press(now, ImGui::IsItemActive(), "the stop button of a view");
     if (near > 0) {
         const double bottom = cell.bottom(), high = 6 * scale;
         ImGui::GetWindowDrawList()->AddRectFilled(point(cell.x, bottom - high),
                                                   point(cell.x + near * cell.width, bottom), paint(kBlue));
     }
-    if (hit && !holds) stops.stop(now, "the stop button of a view");
     ImGui::End();
 }
 

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "common/stop_inquiry.hpp"
 
@@ -37,14 +38,23 @@ class StopControl : boost::noncopyable {
         next_ = now;
     }
 
-    // While `pressed`, the release comes nearer; returns how near, 0 to 1.
-    double press(SessionTime now, bool pressed) {
-        if (!pressed || release_) since_ = kNever;
-        if (!pressed) return 0;
-        if (release_) return 1;
-        if (since_ == kNever) since_ = now;
-        if (now - since_ >= kHeldPress) release(now);
-        return std::min(1.0, to_seconds(now - since_) / to_seconds(kHeldPress));
+    // The button, in each frame. A press that begins while no stop holds stops at once and does nothing else, however long it
+    // lasts. One that begins while a stop holds releases it after kHeldPress. Returns how near that is, 0 to 1.
+    double press(SessionTime now, bool pressed, std::string_view words) {
+        if (!pressed) {
+            pressed_ = releases_ = false;
+            return 0;
+        }
+        if (!std::exchange(pressed_, true)) {
+            since_ = now;
+            releases_ = holds_;
+            if (!holds_) stop(now, words);
+        }
+        if (!releases_) return 0;
+        if (now - since_ < kHeldPress) return to_seconds(now - since_) / to_seconds(kHeldPress);
+        releases_ = false;
+        release(now);
+        return 1;
     }
 
     void tick(SessionTime now) {
@@ -91,9 +101,9 @@ class StopControl : boost::noncopyable {
     StopOrder order_;
     std::optional<StopInquiry> inquiry_;
     std::optional<StopRelease> release_;
-    SessionTime next_{}, next_look_{}, since_ = kNever;
+    SessionTime next_{}, next_look_{}, since_{};
     int left_ = 0, rounds_ = 0;
-    bool holds_ = false;
+    bool holds_ = false, pressed_ = false, releases_ = false;
 };
 
 }  // namespace thimble
