@@ -4,7 +4,8 @@
 //
 // - The allowed force has the sign of the wanted one, is never larger, and lies within the limits.
 // - It grows no faster than rate_limit_N_per_s, and falls as fast as it likes. The guard counts at most one sample period of
-//   the time since the force before. So neither a silence nor a new trial allows a jump.
+//   the time since the force before. So neither a silence nor a new trial allows a jump. A device that gives less than was allowed
+//   says so, and the force grows from there.
 // - A wanted force that is no number trips the guard. From then on it allows zero until clear(). A device may trip the guard
 //   for reasons of its own.
 #pragma once
@@ -58,6 +59,11 @@ class ForceGuard {
         given_N_ = force_N;
         given_at_ = std::max(given_at_, now);
         return force_N;
+    }
+
+    // The device gives this force now, which may be less than the guard allowed.
+    void device_gives(double force_N) {
+        given_N_ = std::copysign(std::min(std::abs(force_N), std::abs(given_N_)), given_N_);
     }
 
     // The first reason stays.

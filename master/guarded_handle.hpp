@@ -93,8 +93,10 @@ class GuardedHandle final : public HapticDevice {
     // Each sample of a trial counts for the energy.
     HandleSample read(SessionTime now) override {
         const HandleSample sample = device_->read(now);
+        if (!sample.valid) rules_.device_gives(0);  // a device that has failed gives no force
         if (!sample.valid || tripped()) return sample;
         if (std::isfinite(sample.position_hand_m) && std::isfinite(sample.force_hand_N)) {
+            rules_.device_gives(sample.force_hand_N);
             energy_.add(sample.position_hand_m, sample.force_hand_N);
             watch_energy(now);
         } else {

@@ -40,14 +40,24 @@ void await_user(Handle& handle, Duration limit) {
     if (!handle.fault().empty()) throw Error(ExitCode::kRunFailed, std::string(handle.fault()));
 }
 
+// A real handle has limits of its own where the file has none.
+MasterSettings read_master(const ConfigFile& file, HandleKind kind) {
+    return read_master_settings(file, is_real(kind) ? guard_of_real_handle() : GuardSettings{});
+}
+
+HandleSettings read_handle(const ConfigFile& file, bool pointer) {
+    HandleSettings settings = read_handle_settings(file.table("handle"));
+    if (pointer) settings.kind = HandleKind::kPointer;
+    return settings;
+}
+
 class Master final : public NodeInstance {
   public:
     Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance, const HandleSettings& settings)
         : user_limit_(user_limit(settings)),
           handle_(open_handle(settings, read_operator_parameters(file.table("operator")),
                               read_runtime_settings(file))),
-          settings_(
-              read_master_settings(file, is_real(settings.kind) ? guard_of_real_handle() : GuardSettings{})),
+          settings_(read_master(file, settings.kind)),
           process_(instance, settings_, sockets, *handle_, *handle_, handle_->follower()) {
         if (handle_->name().empty()) return;
         spdlog::info("handle: {}", handle_->name());
@@ -97,15 +107,16 @@ int main(int argc, char** argv) {
     program.add_options = [&pointer](CLI::App& app) {
         app.add_flag("--pointer", pointer, "a person's pointer draws the handle, instead of [handle].device");
     };
-    program.read = [](const ConfigFile& file) {
-        read_handle_settings(file.table("handle"));
+    program.read = [&pointer](const ConfigFile& file) {
+        const HandleKind kind = read_handle(file, pointer).kind;
         read_operator_parameters(file.table("operator"));
-        read_master_settings(file);
+        read_master(file, kind);
     };
     program.build = [&pointer](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
-        HandleSettings settings = read_handle_settings(file.table("handle"));
-        if (pointer) settings.kind = HandleKind::kPointer;
+        const HandleSettings settings = read_handle(file, pointer);
         if (is_real(settings.kind)) require_protection_of_handle(sockets.settings());
+        // Its guardian is waited for, and that wait hears a signal.
+        if (settings.kind == HandleKind::kFalcon) install_stop_signals(QuitSignal::kStopsEverything);
         return std::make_unique<Master>(file, sockets, instance, settings);
     };
     return run_node_program(program, argc, argv);

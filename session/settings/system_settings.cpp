@@ -166,8 +166,8 @@ SystemSettings read_tables(const ConfigFile& file) {
     SystemSettings s;
     read_network_settings(file);
     s.runtime = read_runtime_settings(file);
-    s.master = read_master_settings(file);
     s.handle = read_handle_settings(file.table("handle"));
+    s.master = read_master_settings(file, is_real(s.handle.kind) ? guard_of_real_handle() : GuardSettings{});
     s.person = read_operator_parameters(file.table("operator"));
     s.slave = read_slave_settings(file);
     s.cutaneous = read_cutaneous_settings(file.table("cutaneous"));

@@ -64,7 +64,10 @@ auto find_of(Urbs& urbs, const UMockdevIoctlClient* client) {
 }  // namespace
 
 MockFalcon::MockFalcon(MockBed& bed, int number, std::string serial)
-    : path_(fmt::format("/dev/bus/usb/001/{:03}", number)), serial_(std::move(serial)) {
+    : bed_(&bed),
+      system_path_(fmt::format("/sys/devices/pci0/usb1/1-{}", number)),
+      path_(fmt::format("/dev/bus/usb/001/{:03}", number)),
+      serial_(std::move(serial)) {
     const std::string hex = hexadecimal_digits();
     const std::string device = fmt::format(
         "P: /devices/pci0/usb1/1-{0}\nN: bus/usb/001/{0:03}={1}\nE: DEVTYPE=usb_device\nE: SUBSYSTEM=usb\nE: "
@@ -107,6 +110,7 @@ void MockFalcon::unplug() {
         pending_in_.pop_front();
     }
     signal_done();
+    umockdev_testbed_remove_device(bed_->testbed(), system_path_.c_str());
 }
 
 int MockFalcon::on_ioctl(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* client, void* self) {
@@ -229,6 +233,10 @@ void MockFalcon::finish(Urb urb, int status, const std::vector<std::uint8_t>& da
 // Two bytes of the chip's own before the firmware's. One who has died, and asked before, gets nothing.
 void MockFalcon::feed(const UMockdevIoctlClient* client) {
     const auto next = [&] { return find_of(pending_in_, client); };
+    for (auto urb = next(); urb != pending_in_.end() && emulator_.failing_reads; urb = next()) {
+        finish(*urb, -EPROTO, {}, 0, 0);
+        pending_in_.erase(urb);
+    }
     for (auto urb = next(); urb != pending_in_.end() && emulator_.has_something(); urb = next()) {
         std::vector<std::uint8_t> packet{0x01, 0x60};
         const auto bytes = emulator_.transmit(62);

@@ -2,6 +2,7 @@
 // emulated Falcon.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <list>
@@ -30,8 +31,8 @@ class MockFalcon {
         const std::lock_guard lock(mutex_);
         return use(emulator_);
     }
-    void unplug();
-    void be_claimed_by_somebody() { busy_ = true; }
+    void unplug();  // its files in /sys go too
+    void be_claimed_by_somebody(bool claimed = true) { busy_ = claimed; }
     std::string file() const;  // as the program sees it: /dev/bus/usb/001/002
 
   private:
@@ -52,13 +53,14 @@ class MockFalcon {
     void signal_done();
     static void forget(Urb urb);
 
-    std::string path_, serial_;
+    MockBed* bed_;
+    std::string system_path_, path_, serial_;
     std::mutex mutex_;
     FalconEmulator emulator_;
     UMockdevIoctlBase* base_ = nullptr;
     int fifo_ = -1;
     bool full_ = false;  // the fifo: nothing to reap
-    bool busy_ = false;
+    std::atomic<bool> busy_{false};
     std::list<Urb> pending_in_;
     std::deque<Urb> done_;
     std::set<UMockdevIoctlClient*> held_;

@@ -3,7 +3,7 @@
 //
 // A force that is not renewed ends: after kUnattendedTurns exchanges without a command the motors get zero. So the force ends too when the
 // master is killed or stopped. The device may also leave a command without an answer for 2 ms, or answer with garbage. Then commands
-// without force follow until a report comes. The light is red before homing, blue while some legs are homed, green once all are.
+// without force follow until a report comes. In both cases the mailbox tells the handle, and only a newer command gives a force again. The light is red before homing, blue while some legs are homed, green once all are.
 #pragma once
 
 #include <array>
@@ -29,18 +29,19 @@ class FalconExchange : boost::noncopyable {
 
     // Both outlive it.
     FalconExchange(FalconLink& link, FalconMailbox& mailbox) : link_(&link), mailbox_(&mailbox) {}
-    // With a last command without force.
-    ~FalconExchange() {
-        if (!mailbox_->lost()) link_->write(encode(FalconCommand{}));
-    }
+    // With a last command without force: after a failed read a write may still work.
+    ~FalconExchange() { link_->write(encode(FalconCommand{})); }
 
     // One command and what comes back. False once the link is lost.
     bool turn() {
         const FalconWord word = mailbox_->commanded();
-        unattended_ = word == carried_ ? unattended_ + 1 : 0;
+        const bool renewed = word != carried_;
+        unattended_ = renewed ? 0 : unattended_ + 1;
         carried_ = word;
+        withheld_ = mailbox_->silent() || unattended_ > kUnattendedTurns || (withheld_ && !renewed);
+        mailbox_->withhold(withheld_);
         FalconCommand command{word.values, true, light_};
-        if (mailbox_->silent() || unattended_ > kUnattendedTurns) command.motors = {};
+        if (withheld_) command.motors = {};
         const auto report = link_->write(encode(command)) ? listen() : std::nullopt;
         if (report) {
             mailbox_->publish(*report);
@@ -70,6 +71,7 @@ class FalconExchange : boost::noncopyable {
     FalconReportReader reader_;
     FalconWord carried_;  // command that the last turn sent
     int unattended_ = 0;
+    bool withheld_ = false;  // the last turn sent no force, whatever was commanded
     std::uint8_t light_ = kFalconRed;
 };
 

@@ -26,10 +26,13 @@ namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
+using std::chrono::seconds;
 
 constexpr Duration kLook = milliseconds{10};
 // Longer than any turn: a write to the USB may take 100 ms. In looks, because a machine that stood still is no guardian that does.
 constexpr int kLooksWithoutTurn = 25;
+// To take the force away: the kernel may still hold the device, or find it anew after a fault of the USB.
+constexpr Duration kTakeLimit = seconds{2}, kTakeAgain = milliseconds{50};
 constexpr int kWords =
     6;  // program, kFalconGuardian, serial, firmware, its SHA-256, priority (0: not in real time)
 
@@ -38,11 +41,26 @@ std::vector<std::string> words_for(const FalconSettings& settings, const Runtime
             std::to_string(runtime.realtime_scheduling ? runtime.priority : 0)};
 }
 
-// A Falcon that answers gets commands without force.
-void take_force_away(const std::string& serial) {
-    const ClaimedFalcon falcon = claim_falcon(serial);
-    if (!set_falcon_running(*falcon.link) || !falcon_answers(*falcon.link))
-        throw Error(ExitCode::kRunFailed, "it does not answer; switch its power off");
+// Empty once the Falcon has answered a command without force; else why it has not. A chip that refuses its settings still gets one: they
+// are mostly those it has.
+std::string try_to_take_force_away(const std::string& serial) {
+    try {
+        const ClaimedFalcon falcon = claim_falcon(serial);
+        const bool set = set_falcon_running(*falcon.link);
+        falcon.link->write(encode(FalconCommand{}));
+        return set && falcon_answers(*falcon.link) ? "" : "it does not answer";
+    } catch (const Error& error) {
+        return error.what();
+    }
+}
+
+std::string take_force_away(const std::string& serial) {
+    std::string failed = try_to_take_force_away(serial);
+    for (const SessionTime end = wall_now() + kTakeLimit; !failed.empty() && wall_now() < end;) {
+        wall_sleep(kTakeAgain);
+        failed = try_to_take_force_away(serial);
+    }
+    return failed;
 }
 
 void make_ready(FalconLink& link, const FalconSettings& settings) {
@@ -125,6 +143,7 @@ FalconGuardian::~FalconGuardian() {
 void FalconGuardian::await_ready() {
     const FalconPage& page = memory_.page();
     while (page.state.load(std::memory_order_acquire) == FalconPage::State::kPreparing) {
+        if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted while the Falcon is made ready");
         const auto ended = child_.poll();
         if (ended && page.state.load(std::memory_order_acquire) == FalconPage::State::kPreparing)
             throw Error(ExitCode::kRunFailed, "the Falcon's guardian ended with code {} before it was ready",
@@ -145,16 +164,19 @@ void FalconGuardian::watch() {
         turns = box.turns();
         if (still >= kLooksWithoutTurn) child_.signal(SIGKILL);
     }
-    if (box.asked_to_end() && child_.poll() == 0) return;
-    const bool unplugged = box.lost();
+    if (box.asked_to_end() && child_.poll() == 0 && !box.lost()) return;
     box.lose(FalconLoss::kGuardianEnded);
-    if (unplugged) return;
-    try {
-        take_force_away(serial_);
-        spdlog::error("the Falcon's guardian process has ended; the motors have no force now");
-    } catch (const std::exception& error) {
-        spdlog::critical("the Falcon's guardian process has ended, and the motors may keep a force: {}",
-                         error.what());
+    const bool unplugged = box.loss() == FalconLoss::kUnplugged;
+    const std::string_view event =
+        unplugged ? "the Falcon's USB has failed" : "the Falcon's guardian process has ended";
+    const std::string failed = take_force_away(serial_);
+    if (failed.empty()) {
+        spdlog::error("{}; the motors have no force now", event);
+    } else if (unplugged && falcon_is_absent()) {
+        spdlog::warn(
+            "the Falcon is gone from the USB. If it still has power, it may keep a force: switch it off");
+    } else {
+        spdlog::critical("{}, and the motors may keep a force: switch the Falcon off ({})", event, failed);
     }
 }
 

@@ -43,13 +43,14 @@ std::string FalconHandle::awaits() {
 
 HandleSample FalconHandle::read(SessionTime now) {
     const bool good = fault_.empty() && take_report(now);
-    const bool silent = mailbox_->silent();
+    // A force that the exchange has withheld does not come back by itself: the next command counts.
+    if (mailbox_->take_withheld()) force_hand_N_ = 0;
     if (good) {
         ++reads_;
-        if (silent) ++silent_reads_;
+        if (mailbox_->silent()) ++silent_reads_;
         apply();
     }
-    return {axis_.position_hand_m(), good && !silent ? force_hand_N_ : 0, good};
+    return {axis_.position_hand_m(), good ? force_hand_N_ : 0, good};
 }
 
 bool FalconHandle::take_report(SessionTime now) {

@@ -2,7 +2,8 @@
 // Before its legs are homed (the user pulls the grip out and pushes it in, once after each loading of the firmware) it has no
 // position and gets no force: awaits() and the fault say so, and go by themselves. Homing that is lost afterwards is a fault.
 //
-// A report that does not come costs the force within two ticks (FalconExchange), and the trial after kStalledAfter.
+// A report that does not come costs the force within two ticks (FalconExchange), and the trial after kStalledAfter. Then read() reports
+// no force, and the force is zero until the next command. So the guard's rate limit holds (GuardedHandle).
 #pragma once
 
 #include <memory>

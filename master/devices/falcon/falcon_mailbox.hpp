@@ -46,6 +46,11 @@ class FalconMailbox : boost::noncopyable {
     std::uint8_t take_buttons() { return pressed_.exchange(0) | latest().report.buttons; }
     // The newest command was not answered: the exchange sends no force now.
     bool silent() const { return silent_.load(std::memory_order_acquire); }
+    // The exchange sends no force now, or has sent none at some time since the last call: a command was not answered, or not renewed.
+    bool take_withheld() {
+        const bool since = withheld_since_.exchange(false);
+        return since || withheld_.load(std::memory_order_acquire) || silent();
+    }
     bool lost() const { return loss() != FalconLoss::kNone; }
     FalconLoss loss() const { return loss_.load(std::memory_order_acquire); }
     // Changes as long as the exchange goes on.
@@ -60,6 +65,10 @@ class FalconMailbox : boost::noncopyable {
         const auto flags = static_cast<std::uint8_t>(report.buttons | (report.homed_legs << 4));
         report_.store({report.encoders, flags, ++reports_}, std::memory_order_release);
         any_.store(true, std::memory_order_release);
+    }
+    void withhold(bool withheld) {
+        withheld_.store(withheld, std::memory_order_release);
+        if (withheld) withheld_since_.store(true, std::memory_order_release);
     }
     void turned(bool answered) {
         silent_.store(!answered, std::memory_order_release);
@@ -76,6 +85,7 @@ class FalconMailbox : boost::noncopyable {
     std::atomic<std::uint32_t> turns_{0};
     std::atomic<std::uint8_t> pressed_{0};  // since somebody asked
     std::atomic<bool> any_{false}, silent_{false}, end_{false};
+    std::atomic<bool> withheld_{false}, withheld_since_{false};
     std::atomic<FalconLoss> loss_{FalconLoss::kNone};
     std::uint8_t commands_ = 0, reports_ = 0;  // of one side each
 };

@@ -176,4 +176,6 @@ ClaimedFalcon claim_falcon(const std::string& serial) {
     return {std::move(link), std::move(found)};
 }
 
+bool falcon_is_absent() { return look_for_usb(kVendor, kProduct).presence == UsbPresence::kAbsent; }
+
 }  // namespace thimble

@@ -16,4 +16,7 @@ struct ClaimedFalcon {
 // The Falcon with this serial number; empty: the only one. Throws Error (usage) with what is missing and what to do.
 ClaimedFalcon claim_falcon(const std::string& serial);
 
+// No Falcon is on the USB.
+bool falcon_is_absent();
+
 }  // namespace thimble

@@ -14,6 +14,7 @@ constexpr std::uint16_t kSlow = 0x4138, kLoading = 0x0015, kFast = 0x0002;
 }  // namespace
 
 bool FalconEmulator::control(std::uint8_t request, std::uint16_t value) {
+    if (stalled_control) return false;
     if (request == 0) {  // purge
         (value == 1 ? waiting_ : heard_).clear();
         return value == 1 || value == 2;
@@ -104,7 +105,7 @@ bool EmulatedFalconLink::write(std::span<const std::uint8_t> bytes) {
 }
 
 std::size_t EmulatedFalconLink::read(std::span<std::uint8_t> room, Duration /*limit*/) {
-    if (device_->unplugged) return 0;
+    if (lost()) return 0;
     const auto bytes = device_->transmit(std::min(room.size(), device_->packet_bytes));
     std::copy(bytes.begin(), bytes.end(), room.begin());
     return bytes.size();

@@ -34,6 +34,8 @@ class FalconEmulator {
 
     // Faults.
     bool unplugged = false;
+    bool failing_reads = false;                // of the USB, while writes work
+    bool stalled_control = false;              // the chip stalls each request
     bool silent = false;                       // takes commands, reports nothing
     bool deaf_loader = false;                  // no greeting
     std::optional<std::size_t> wrong_echo_at;  // once
@@ -61,7 +63,7 @@ class EmulatedFalconLink final : public FalconLink {
     bool control(std::uint8_t request, std::uint16_t value) override;
     bool write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> room, Duration limit) override;
-    bool lost() const override { return device_->unplugged; }
+    bool lost() const override { return device_->unplugged || device_->failing_reads; }
     std::string last_error() const override { return device_->unplugged ? "no such device" : "none"; }
 
   private:

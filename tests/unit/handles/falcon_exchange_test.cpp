@@ -45,11 +45,14 @@ TEST_F(FalconExchangeTest, AForceThatNobodyRenewsEnds) {
         exchange->turn();
         EXPECT_EQ(device.commanded.motors[0], 100) << i;
     }
+    EXPECT_FALSE(mailbox.take_withheld());
     exchange->turn();
     EXPECT_EQ(device.commanded.motors[0], 0);
-    mailbox.command({100, 0, 0});
+    EXPECT_TRUE(mailbox.take_withheld()) << "the handle must not think that the force acts";
+    mailbox.command({3, 0, 0});
     exchange->turn();
-    EXPECT_EQ(device.commanded.motors[0], 100);
+    EXPECT_EQ(device.commanded.motors[0], 3);
+    EXPECT_FALSE(mailbox.take_withheld());
 }
 
 // From the second tick on: the first still answers the last report.
@@ -70,6 +73,9 @@ TEST_F(FalconExchangeTest, WhatIsNotAnsweredCostsTheForceUntilItIs) {
         exchange->turn();
         EXPECT_EQ(device.commanded.motors, FalconTriple{}) << "asked before it had answered";
         EXPECT_FALSE(mailbox.silent());
+        exchange->turn();
+        EXPECT_EQ(device.commanded.motors, FalconTriple{}) << "until a newer command comes";
+        EXPECT_TRUE(mailbox.take_withheld());
         mailbox.command({103, 100, 100});
         exchange->turn();
         EXPECT_EQ(device.commanded.motors[0], 103);
@@ -101,6 +107,17 @@ TEST_F(FalconExchangeTest, TheLightSaysHowFarHomingIs) {
 TEST_F(FalconExchangeTest, EndsWithoutForce) {
     mailbox.command({100, 100, 100});
     exchange->turn();
+    exchange.reset();
+    EXPECT_EQ(device.commanded.motors, FalconTriple{});
+}
+
+// A fault of the USB that passes: the device has power, and its last force.
+TEST_F(FalconExchangeTest, EndsWithoutForceAlsoAfterAFailedRead) {
+    mailbox.command({100, 100, 100});
+    exchange->turn();
+    device.failing_reads = true;
+    EXPECT_FALSE(exchange->turn());
+    EXPECT_EQ(device.commanded.motors[0], 100);
     exchange.reset();
     EXPECT_EQ(device.commanded.motors, FalconTriple{});
 }

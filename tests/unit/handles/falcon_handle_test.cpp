@@ -2,6 +2,7 @@
 // millisecond of a time that the test makes.
 #include "master/devices/falcon/falcon_handle.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "master/devices/falcon/falcon_exchange.hpp"
+#include "master/guarded_handle.hpp"
 #include "tests/unit/handles/falcon_emulator.hpp"
 #include "tests/unit/session_time.hpp"
 
@@ -143,10 +145,44 @@ TEST_F(FalconHandleTest, WithoutReportsTheForceIsGoneInTwoTicksAndBackWithThem) 
         EXPECT_EQ(step(2).force_hand_N, 0);
         EXPECT_TRUE(motors_still());
         device.*fault = false;
-        for (int i = 0; i < 3; ++i) step(2);
+        step(2);
+        EXPECT_EQ(step(2).force_hand_N, 0) << "the guard must know that it begins at zero";
         EXPECT_EQ(step(2).force_hand_N, 2) << "a report that is lost is no fault";
         EXPECT_FALSE(motors_still());
     }
+}
+
+// 1 N in a millisecond. The exchange also turns between the handle's reading and its command.
+TEST_F(FalconHandleTest, AForceThatWasWithheldGrowsFromZeroAsTheGuardSays) {
+    GuardSettings limits;
+    limits.force_rate_limit_N_per_s = 1000;
+    GuardedHandle guard(limits, milliseconds{1}, handle);
+    int before = 0, most = 0;  // motor counts
+    const auto turn = [&] {
+        exchange.turn();
+        const int counts = std::abs(device.commanded.motors[0]);
+        most = std::max(most, counts - before);
+        before = counts;
+    };
+    const auto tick = [&] {
+        guard.read(now += milliseconds{1});
+        turn();
+        guard.command_force(now, 6);
+        turn();
+    };
+    handle.enable_force(now, true);
+    for (const bool stalled : {false, true}) {
+        for (int i = 0; i < 20; ++i) tick();
+        EXPECT_GT(before, 5 * 241);
+        device.silent = !stalled;
+        for (int i = 0; i < 3; ++i) tick();
+        device.silent = false;
+        for (int i = 0; stalled && i < FalconExchange::kUnattendedTurns + 2; ++i) turn();
+        EXPECT_EQ(before, 0);
+        tick();
+        EXPECT_LT(before, 260);
+    }
+    EXPECT_LT(most, 260) << "1 N is 241 counts";
 }
 
 TEST_F(FalconHandleTest, UntilItIsHomedThereIsNoForceAndTheWordsSayWhatToDo) {

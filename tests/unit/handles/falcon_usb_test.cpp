@@ -9,6 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/process/child.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "master/devices/falcon/falcon_guardian.hpp"
 #include "master/devices/falcon/falcon_handle.hpp"
 #include "master/devices/usb_presence.hpp"
@@ -46,6 +48,26 @@ class FalconUsb : public OnABed<MockBed> {
         return false;
     }
 
+    // Renews a force of 500 counts until `condition` is true.
+    static bool comes_while_pushed(FalconGuardian& guardian, const std::function<bool()>& condition) {
+        return comes([&] {
+            guardian.mailbox().command({500, 0, 0});
+            return condition();
+        });
+    }
+    static int motor(MockFalcon& falcon) {
+        return falcon.with([](FalconEmulator& device) { return device.commanded.motors[0]; });
+    }
+    static void set(MockFalcon& falcon, bool FalconEmulator::*fault, bool value) {
+        falcon.with([&](FalconEmulator& device) { device.*fault = value; });
+    }
+    // Of thimble-master with these tables. Its handle comes before its ports.
+    std::vector<std::string> master_with(const std::string& tables) const {
+        write_text(folder / "master.toml", "[handle]\ndevice = \"falcon\"\n" + tables);
+        return {folder / "master.toml"};
+    }
+
+    TemporaryDirectory folder;
     FalconSettings settings;
     SessionTime now = at(std::chrono::milliseconds{5});  // stands still: no report is late
 };
@@ -68,7 +90,6 @@ TEST_F(FalconUsb, IsReadAndPushed) {
 TEST_F(FalconUsb, GetsItsFirmware) {
     std::string image(500, '\0');
     std::iota(image.begin(), image.end(), char{0});
-    const TemporaryDirectory folder;
     write_text(folder / "falcon.bin", image);
     MockFalcon falcon(*bed_, 2, "F1");
     falcon.with([](FalconEmulator& device) { device.image_bytes = 500; });
@@ -96,20 +117,76 @@ TEST_F(FalconUsb, UnpluggedInATrialItSaysSo) {
                 HasSubstr("Novint Falcon, serial F1: it was unplugged or switched off"));
 }
 
+// The device is in order, and has its last force.
+TEST_F(FalconUsb, ReadsThatFailLeaveNoForce) {
+    MockFalcon falcon(*bed_, 2, "F1");
+    falcon.with(make_ready);
+    FalconGuardian guardian(settings, {}, THIMBLE_MASTER_FILE);
+    ASSERT_TRUE(comes_while_pushed(guardian, [&] { return motor(falcon) == 500; }));
+    set(falcon, &FalconEmulator::failing_reads, true);
+    EXPECT_TRUE(comes_while_pushed(guardian, [&] { return guardian.mailbox().lost(); }));
+    EXPECT_EQ(guardian.mailbox().loss(), FalconLoss::kUnplugged);
+    EXPECT_TRUE(comes([&] { return motor(falcon) == 0; }));
+    set(falcon, &FalconEmulator::failing_reads, false);
+}
+
 // The other direction is FalconProgram's. A new guardian can claim the device.
 TEST_F(FalconUsb, AGuardianThatIsKilledOrStoppedLeavesNoForce) {
     MockFalcon falcon(*bed_, 2, "F1");
     falcon.with(make_ready);
-    const auto motor = [&] { return falcon.with([](FalconEmulator& d) { return d.commanded.motors[0]; }); };
     for (const int number : {SIGKILL, SIGSTOP}) {
         FalconGuardian guardian(settings, {}, THIMBLE_MASTER_FILE);
-        const auto pushed = [&] { guardian.mailbox().command({500, 0, 0}); };
-        ASSERT_TRUE(comes([&] { return pushed(), motor() == 500; })) << number;
+        ASSERT_TRUE(comes_while_pushed(guardian, [&] { return motor(falcon) == 500; })) << number;
+        const SessionTime lost = wall_now();
         kill(guardian.pid(), number);
-        EXPECT_TRUE(comes([&] { return pushed(), guardian.mailbox().lost(); })) << number;
+        EXPECT_TRUE(comes_while_pushed(guardian, [&] { return guardian.mailbox().lost(); })) << number;
         EXPECT_EQ(guardian.mailbox().loss(), FalconLoss::kGuardianEnded);
-        EXPECT_TRUE(comes([&] { return motor() == 0; })) << number;
+        EXPECT_TRUE(comes([&] { return motor(falcon) == 0; })) << number;
+        EXPECT_LT(wall_now() - lost, std::chrono::seconds{1}) << "0.4 s are promised (kernel lane)";
     }
+}
+
+TEST_F(FalconUsb, TheForceIsTakenFromADeviceThatIsBusyForAWhileOrRefusesItsSettings) {
+    MockFalcon falcon(*bed_, 2, "F1");
+    falcon.with(make_ready);
+    for (const bool busy : {true, false}) {
+        FalconGuardian guardian(settings, {}, THIMBLE_MASTER_FILE);
+        ASSERT_TRUE(comes_while_pushed(guardian, [&] { return motor(falcon) == 500; })) << busy;
+        falcon.be_claimed_by_somebody(busy);
+        set(falcon, &FalconEmulator::stalled_control, !busy);
+        kill(guardian.pid(), SIGKILL);
+        ASSERT_TRUE(comes([&] { return guardian.mailbox().lost(); }));
+        wall_sleep(std::chrono::milliseconds{100});
+        EXPECT_EQ(motor(falcon), busy ? 500 : 0);
+        falcon.be_claimed_by_somebody(false);
+        EXPECT_TRUE(comes([&] { return motor(falcon) == 0; })) << busy;
+        set(falcon, &FalconEmulator::stalled_control, false);
+    }
+}
+
+// Its boot loader says nothing, and the upload begins again and again.
+TEST_F(FalconUsb, AMasterThatLoadsTheFirmwareHearsASignal) {
+    MockFalcon falcon(*bed_, 2, "F1");
+    set(falcon, &FalconEmulator::deaf_loader, true);
+    write_text(folder / "falcon.bin", "abc");
+    // sha256sum of these three bytes
+    const auto words = master_with(
+        "[handle.falcon]\nfirmware = \"" + (folder / "falcon.bin").string() +
+        "\"\nfirmware_sha256 = \"ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad\"\n");
+    Child master(THIMBLE_MASTER_FILE, words, folder / "words");
+    const auto says = [&](const char* text) { return master.last_lines().find(text) != std::string::npos; };
+    ASSERT_TRUE(comes([&] { return says("loading the Falcon's firmware"); })) << master.last_lines();
+    master.signal(SIGTERM);
+    EXPECT_EQ(master.wait(std::chrono::seconds{5}), 1);
+    EXPECT_TRUE(says("interrupted while the Falcon is made ready")) << master.last_lines();
+}
+
+// It is refused for the device that is absent, not for its tables.
+TEST_F(FalconUsb, AMasterTakesTheWindowOfTheGuardAlone) {
+    const ProgramResult result =
+        run_program(THIMBLE_MASTER_FILE, master_with("[guard]\nenergy_window_s = 2\n"), "", "");
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.output, HasSubstr("no Novint Falcon is on the USB"));
 }
 
 TEST(FalconGuardian, IsStartedByTheMasterAlone) {

@@ -175,6 +175,21 @@ TEST(GuardedHandle, AForceGrowsByOneSampleAtMostHoweverLongTheGuardWasSilent) {
     EXPECT_DOUBLE_EQ(slow.pass(95, 12), 0.9);
 }
 
+// A handle may withhold a force by itself, e.g. a Falcon that misses a report.
+TEST(GuardedHandle, AForceGrowsFromWhatTheHandleGivesIfThatIsLess) {
+    Guarded guarded("force_rate_limit_N_per_s = 1000");
+    const auto pass_after = [&](int ms, const HandleSample& sample) {
+        guarded.observe(SessionTime{milliseconds{ms}}, sample);
+        return guarded.pass(ms, -8);
+    };
+    for (int ms = 1; ms <= 8; ++ms) guarded.pass(ms, -8);
+    EXPECT_DOUBLE_EQ(pass_after(9, {0, -3}), -4);
+    EXPECT_DOUBLE_EQ(pass_after(10, {0, -8}), -5) << "a handle that claims more changes nothing";
+    EXPECT_DOUBLE_EQ(pass_after(11, {0, 0}), -1);
+    EXPECT_DOUBLE_EQ(pass_after(12, {0, -1}), -2);
+    EXPECT_DOUBLE_EQ(pass_after(13, {0, -2, false}), -1) << "one that has failed gives none";
+}
+
 TEST(GuardedHandle, EnergyGivenOutTrips) {
     Guarded guarded("energy_limit_J = 0.1\nenergy_window_s = 1");
     guarded.pump(1, 6, milliseconds{1});  // 20 mJ in, 60 mJ out

@@ -44,6 +44,14 @@ TEST(AllParameters, AreTheFilesAndTheDefaultsOfTheRest) {
     EXPECT_THAT("\n" + all_parameters({}), HasSubstr("\noperator.criterion_N = 2\n"));
 }
 
+// A real handle has an energy limit where the file has none.
+TEST(SystemSettings, TheWindowOfTheGuardAloneIsForARealHandle) {
+    const std::string window = "[guard]\nenergy_window_s = 2\n";
+    EXPECT_EQ(settings_of(window + "[handle]\ndevice = 'falcon'").master.guard.energy_limit_J, 0.5);
+    EXPECT_EQ(settings_of(window + "[handle]\ndevice = 'force-dimension'").master.guard.energy_limit_J, 0.5);
+    EXPECT_THAT(session_refusal(window), HasSubstr("energy_window_s has no meaning without energy_limit_J"));
+}
+
 // Keys of several types, lists of tables, and every session that comes with the program.
 TEST(AllParameters, AreListedOfAnyFileThatIsRead) {
     const auto file = scratch() / "rich.toml";
