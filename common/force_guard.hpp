@@ -4,8 +4,8 @@
 //
 // - The allowed force has the sign of the wanted one, is never larger, and lies within the limits.
 // - It grows no faster than rate_limit_N_per_s, and falls as fast as it likes. The guard counts at most one sample period of
-//   the time since the force before. So neither a silence nor a new trial allows a jump. A device that gives less than was allowed
-//   says so, and the force grows from there.
+//   the time since the force before. So neither a silence nor a new trial allows a jump. If a device reports a smaller
+//   force than was allowed, the next one grows from that.
 // - A wanted force that is no number trips the guard. From then on it allows zero until clear(). A device may trip the guard
 //   for reasons of its own.
 #pragma once

@@ -121,10 +121,15 @@ bool pushes(VhciFalcon& falcon) {
     return falcon.with([](FalconEmulator& device) { return device.commanded.motors[0] != 0; });
 }
 
+void push(FalconGuardian& guardian) {
+    guardian.mailbox().take_withheld();
+    guardian.mailbox().command({500, 0, 0});
+}
+
 // A master with a force at the handle, in a process of its own.
 [[noreturn]] void push_for_ever() {
     FalconGuardian guardian({}, kPlain, "/proc/self/exe");
-    for (;; wall_sleep(milliseconds{1})) guardian.mailbox().command({500, 0, 0});
+    for (;; wall_sleep(milliseconds{1})) push(guardian);
 }
 
 void lose_the_master(VhciFalcon& falcon, int number) {
@@ -144,11 +149,10 @@ void lose_the_master(VhciFalcon& falcon, int number) {
 
 void lose_the_guardian(VhciFalcon& falcon, int number) {
     FalconGuardian guardian({}, kPlain, "/proc/self/exe");
-    const auto push = [&] { guardian.mailbox().command({500, 0, 0}); };
-    expect(comes([&] { return push(), pushes(falcon); }, seconds{5}), "a guardian pushes");
+    expect(comes([&] { return push(guardian), pushes(falcon); }, seconds{5}), "a guardian pushes");
     const SessionTime lost = wall_now();
     kill(guardian.pid(), number);
-    const bool gone = comes([&] { return push(), !pushes(falcon); }, seconds{2});
+    const bool gone = comes([&] { return push(guardian), !pushes(falcon); }, seconds{2});
     const Duration after = wall_now() - lost;
     expect(gone && after < milliseconds{400}, fmt::format("guardian gets signal {}: no force after {:.1f} ms",
                                                           number, 1000 * to_seconds(after)));

@@ -3,7 +3,10 @@
 //
 // A force that is not renewed ends: after kUnattendedTurns exchanges without a command the motors get zero. So the force ends too when the
 // master is killed or stopped. The device may also leave a command without an answer for 2 ms, or answer with garbage. Then commands
-// without force follow until a report comes. In both cases the mailbox tells the handle, and only a newer command gives a force again. The light is red before homing, blue while some legs are homed, green once all are.
+// without force follow until a report comes. The handle's side reads in the mailbox that a force was withheld, and only its later commands
+// give a force again. So none comes back that the guard before the handle has not allowed anew.
+//
+// The light is red before homing, blue while some legs are homed, green once all are.
 #pragma once
 
 #include <array>
@@ -35,13 +38,13 @@ class FalconExchange : boost::noncopyable {
     // One command and what comes back. False once the link is lost.
     bool turn() {
         const FalconWord word = mailbox_->commanded();
-        const bool renewed = word != carried_;
-        unattended_ = renewed ? 0 : unattended_ + 1;
+        unattended_ = word == carried_ ? unattended_ + 1 : 0;
         carried_ = word;
-        withheld_ = mailbox_->silent() || unattended_ > kUnattendedTurns || (withheld_ && !renewed);
-        mailbox_->withhold(withheld_);
+        const bool withheld =
+            mailbox_->silent() || unattended_ > kUnattendedTurns || !mailbox_->is_informed(word);
+        mailbox_->withhold(withheld);
         FalconCommand command{word.values, true, light_};
-        if (withheld_) command.motors = {};
+        if (withheld) command.motors = {};
         const auto report = link_->write(encode(command)) ? listen() : std::nullopt;
         if (report) {
             mailbox_->publish(*report);
@@ -71,7 +74,6 @@ class FalconExchange : boost::noncopyable {
     FalconReportReader reader_;
     FalconWord carried_;  // command that the last turn sent
     int unattended_ = 0;
-    bool withheld_ = false;  // the last turn sent no force, whatever was commanded
     std::uint8_t light_ = kFalconRed;
 };
 

@@ -14,7 +14,8 @@ namespace thimble {
 
 struct alignas(8) FalconWord {  // as clang wants it to read and write the whole at once
     FalconTriple values{};      // motors or encoders
-    std::uint8_t flags = 0, count = 0;
+    std::uint8_t flags = 0;     // a report's buttons and legs; a command's count of withheld forces
+    std::uint8_t count = 0;
     bool operator==(const FalconWord&) const = default;
 };
 static_assert(std::atomic<FalconWord>::is_always_lock_free);
@@ -25,7 +26,7 @@ class FalconMailbox : boost::noncopyable {
   public:
     // The handle's side; any thread, one at a time.
     void command(const FalconTriple& motors) {
-        command_.store({motors, 0, ++commands_}, std::memory_order_release);
+        command_.store({motors, known_, ++commands_}, std::memory_order_release);
     }
 
     struct Latest {
@@ -47,9 +48,12 @@ class FalconMailbox : boost::noncopyable {
     // The newest command was not answered: the exchange sends no force now.
     bool silent() const { return silent_.load(std::memory_order_acquire); }
     // The exchange sends no force now, or has sent none at some time since the last call: a command was not answered, or not renewed.
+    // Later commands carry the count that was read here.
     bool take_withheld() {
-        const bool since = withheld_since_.exchange(false);
-        return since || withheld_.load(std::memory_order_acquire) || silent();
+        const std::uint8_t count = withholdings_.load(std::memory_order_acquire);
+        const bool news = count != known_;
+        known_ = count;
+        return news || withheld_.load(std::memory_order_acquire) || silent();
     }
     bool lost() const { return loss() != FalconLoss::kNone; }
     FalconLoss loss() const { return loss_.load(std::memory_order_acquire); }
@@ -66,9 +70,14 @@ class FalconMailbox : boost::noncopyable {
         report_.store({report.encoders, flags, ++reports_}, std::memory_order_release);
         any_.store(true, std::memory_order_release);
     }
+    // The handle's side had called take_withheld() for every withheld force before this command.
+    bool is_informed(const FalconWord& command) const {
+        return command.flags == withholdings_.load(std::memory_order_relaxed);
+    }
     void withhold(bool withheld) {
+        if (withheld && !withheld_.load(std::memory_order_relaxed))
+            withholdings_.fetch_add(1, std::memory_order_release);
         withheld_.store(withheld, std::memory_order_release);
-        if (withheld) withheld_since_.store(true, std::memory_order_release);
     }
     void turned(bool answered) {
         silent_.store(!answered, std::memory_order_release);
@@ -85,9 +94,10 @@ class FalconMailbox : boost::noncopyable {
     std::atomic<std::uint32_t> turns_{0};
     std::atomic<std::uint8_t> pressed_{0};  // since somebody asked
     std::atomic<bool> any_{false}, silent_{false}, end_{false};
-    std::atomic<bool> withheld_{false}, withheld_since_{false};
+    std::atomic<bool> withheld_{false};
+    std::atomic<std::uint8_t> withholdings_{0};
     std::atomic<FalconLoss> loss_{FalconLoss::kNone};
-    std::uint8_t commands_ = 0, reports_ = 0;  // of one side each
+    std::uint8_t commands_ = 0, reports_ = 0, known_ = 0;  // of one side each
 };
 
 }  // namespace thimble

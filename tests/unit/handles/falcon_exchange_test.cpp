@@ -73,8 +73,9 @@ TEST_F(FalconExchangeTest, WhatIsNotAnsweredCostsTheForceUntilItIs) {
         exchange->turn();
         EXPECT_EQ(device.commanded.motors, FalconTriple{}) << "asked before it had answered";
         EXPECT_FALSE(mailbox.silent());
+        mailbox.command({102, 100, 100});
         exchange->turn();
-        EXPECT_EQ(device.commanded.motors, FalconTriple{}) << "until a newer command comes";
+        EXPECT_EQ(device.commanded.motors, FalconTriple{}) << "commanded before the handle knew";
         EXPECT_TRUE(mailbox.take_withheld());
         mailbox.command({103, 100, 100});
         exchange->turn();

@@ -182,6 +182,12 @@ TEST_F(FalconHandleTest, AForceThatWasWithheldGrowsFromZeroAsTheGuardSays) {
         tick();
         EXPECT_LT(before, 260);
     }
+    for (int i = 0; i < 20; ++i) tick();
+    guard.read(now += milliseconds{1});
+    for (int i = 0; i < FalconExchange::kUnattendedTurns + 2; ++i) turn();
+    guard.command_force(now, 6);  // a master that was stopped after its reading
+    turn();
+    EXPECT_EQ(before, 0);
     EXPECT_LT(most, 260) << "1 N is 241 counts";
 }
 

@@ -51,6 +51,7 @@ class FalconUsb : public OnABed<MockBed> {
     // Renews a force of 500 counts until `condition` is true.
     static bool comes_while_pushed(FalconGuardian& guardian, const std::function<bool()>& condition) {
         return comes([&] {
+            guardian.mailbox().take_withheld();
             guardian.mailbox().command({500, 0, 0});
             return condition();
         });
