@@ -35,7 +35,7 @@ Finding same_time_finding(const StudyColumns& columns);
 // in interval estimation", J. Royal Statistical Society B 16, 1954). HF's jumps have a spread, and a distance to the others' jumps.
 Finding cost_ratio_finding(const StudyColumns& columns, Metric metric, double most);
 Finding removal_spread_finding(const StudyColumns& columns);
-// 95 % of studies with an effect as large as here have their F in an interval, and the paper's F lies in it. Noncentral F by Patnaik's
+// 95 % of studies of the paper's size with an effect as large as here have their F in an interval, and the paper's F lies in it. Noncentral F by Patnaik's
 // approximation ("The non-central chi-square and F distributions", Biometrika 36, 1949). Of insertion, and of the removal.
 Finding f_size_finding(const StudyColumns& columns, Metric metric, double papers_f);
 Finding removal_f_finding(const StudyColumns& columns, double papers_f);

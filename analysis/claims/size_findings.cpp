@@ -48,31 +48,46 @@ std::string interval_text(const std::optional<ConfidenceInterval>& interval) {
                     : "no interval";
 }
 
-// Of the F that a study has, were the true effect that which `f` estimates without bias.
-ConfidenceInterval f_interval(double f, double df_1, double df_2) {
-    const double noncentrality = std::max(0.0, f * df_1 * (df_2 - 2) / df_2 - df_1);
-    const double sum = df_1 + noncentrality, tail = (1 - kConfidence) / 2;
+struct FTest {
+    double f, df_1, df_2;
+};
+
+// F in 95 % of studies of the paper's size, if the true effect were the one that `here` estimates without bias. Noncentrality
+// grows with the people of a condition.
+ConfidenceInterval f_interval(const FTest& here, const FTest& paper, double more_people) {
+    const double estimate = std::max(0.0, here.f * here.df_1 * (here.df_2 - 2) / here.df_2 - here.df_1);
+    const double noncentrality = estimate / more_people;
+    const double sum = paper.df_1 + noncentrality, tail = (1 - kConfidence) / 2;
     const double df = sum * sum / (sum + noncentrality);
-    return {sum / df_1 * f_quantile(tail, df, df_2), sum / df_1 * f_quantile(1 - tail, df, df_2)};
+    return {sum / paper.df_1 * f_quantile(tail, df, paper.df_2),
+            sum / paper.df_1 * f_quantile(1 - tail, df, paper.df_2)};
 }
 
-Finding f_finding(double f, double df_1, double df_2, double papers_f) {
-    const ConfidenceInterval interval = f_interval(f, df_1, df_2);
-    return {fmt::format("F({:g}, {:g}) = {:.1f}; 95 % of studies with this effect have {:.1f} to {:.1f}",
-                        df_1, df_2, f, interval.low, interval.high),
-            papers_f >= interval.low && papers_f <= interval.high};
+// `more_people`: people of a condition here over those of the paper.
+Finding f_finding(const FTest& here, const FTest& paper, double more_people) {
+    const ConfidenceInterval interval = f_interval(here, paper, more_people);
+    return {fmt::format("F({:g}, {:g}) = {:.1f}; 95 % of studies {}with this effect have {:.1f} to {:.1f}",
+                        here.df_1, here.df_2, here.f, more_people == 1 ? "" : "of the paper's size ",
+                        interval.low, interval.high),
+            paper.f >= interval.low && paper.f <= interval.high};
 }
 
 }  // namespace
 
 Finding f_size_finding(const StudyColumns& columns, Metric metric, double papers_f) {
+    constexpr double kPeople = 16;
     const RepeatedAnova anova = repeated_anova(columns.table(metric).table);
-    return f_finding(anova.f, anova.df_conditions, anova.df_error, papers_f);
+    const double people = anova.df_error / anova.df_conditions + 1;
+    return f_finding({anova.f, anova.df_conditions, anova.df_error}, {papers_f, 3, 3 * (kPeople - 1)},
+                     people / kPeople);
 }
 
 Finding removal_f_finding(const StudyColumns& columns, double papers_f) {
+    constexpr double kTrials = 8;  // of each modality, all of others
     const OneWayAnova anova = one_way_anova(columns.groups(Metric::kPeakDisplacement));
-    return f_finding(anova.f, anova.df_between, anova.df_within, papers_f);
+    const double trials = anova.df_within / (anova.df_between + 1) + 1;
+    return f_finding({anova.f, anova.df_between, anova.df_within}, {papers_f, 3, 4 * (kTrials - 1)},
+                     trials / kTrials);
 }
 
 Finding cost_ratio_finding(const StudyColumns& columns, Metric metric, double most) {

@@ -188,6 +188,12 @@ SystemSettings read_tables(const ConfigFile& file) {
     return s;
 }
 
+ConfigFile changed_file(const std::filesystem::path& path, const std::vector<SettingChange>& changes) {
+    ConfigFile file = path.empty() ? ConfigFile::empty() : ConfigFile::load(path);
+    for (const SettingChange& change : changes) file.set(change.key, change.value);
+    return file;
+}
+
 }  // namespace
 
 std::optional<TrialOrder> parse_order(std::string_view text) {
@@ -202,8 +208,8 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     return s;
 }
 
-std::string all_parameters(const std::filesystem::path& path) {
-    const ConfigFile file = path.empty() ? ConfigFile::empty() : ConfigFile::load(path);
+std::string all_parameters(const std::filesystem::path& path, const std::vector<SettingChange>& changes) {
+    const ConfigFile file = changed_file(path, changes);
     return file.all_values([&] { read_tables(file); });
 }
 
@@ -242,9 +248,7 @@ SessionSettings session_settings(const SystemSettings& settings) {
 
 SystemSettings load_system_settings(const std::filesystem::path& path,
                                     const std::vector<SettingChange>& changes) {
-    ConfigFile file = path.empty() ? ConfigFile::empty() : ConfigFile::load(path);
-    for (const SettingChange& change : changes) file.set(change.key, change.value);
-    SystemSettings settings = read_system_settings(file);
+    SystemSettings settings = read_system_settings(changed_file(path, changes));
     settings.file = path;
     return settings;
 }

@@ -84,8 +84,9 @@ struct SettingChange {
 SystemSettings load_system_settings(const std::filesystem::path& path,
                                     const std::vector<SettingChange>& changes = {});
 
-// All keys of the file with their values, the defaults included, as a file would write them. An empty path: the defaults.
-std::string all_parameters(const std::filesystem::path& path);
+// All keys of the file with their values, the defaults included, as a file would write them. An empty path: the defaults. The changes
+// stand as if they were in the file.
+std::string all_parameters(const std::filesystem::path& path, const std::vector<SettingChange>& changes = {});
 
 // Throws Error (usage) if a person takes part: `command` runs virtual subjects with the simulated handle.
 void require_simulated_hand(const SystemSettings& settings, std::string_view command);

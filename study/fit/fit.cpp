@@ -34,12 +34,24 @@ std::string fit_plan(const SystemSettings& settings, const FitOptions& options,
     return text + "session file:\n" + std::string(std::istreambuf_iterator<char>(file), {});
 }
 
+// Both change what a person does without a trait for it, so that prior and emulator would be those of other people.
+void require_fitted_traits(const SystemSettings& settings) {
+    const std::pair<const char*, double> keys[] = {{"press_N", settings.person.behaviour.press_N},
+                                                   {"spread_experience", settings.person.spread.experience}};
+    for (const auto& [key, value] : keys)
+        if (value > 0)
+            throw Error(ExitCode::kUsage,
+                        "{}: [operator] {} is {:g}, and a fit has no trait for it: leave the key out of the "
+                        "session file, or name another one with --session",
+                        settings.file.empty() ? "the settings" : settings.file.string(), key, value);
+}
+
 class Fitter {
   public:
     Fitter(const SystemSettings& settings, const FitOptions& options)
         : settings_(settings),
           options_(options),
-          recorded_(recorded_trials(options.folder, options.subject)),
+          recorded_(recorded_trials(options.folder, options.subject, options.experiment)),
           groups_(groups_of(recorded_.trials)) {}
 
     FitResult run() {
@@ -156,11 +168,16 @@ SystemSettings simulated_settings(SystemSettings settings) {
 }
 
 FitResult run_fit(const SystemSettings& settings, const FitOptions& options) {
+    require_fitted_traits(settings);
     return Fitter(settings, options).run();
 }
 
+std::filesystem::path fit_file(const std::filesystem::path& fit) {
+    return std::filesystem::is_directory(fit) ? fit / "fit.json" : fit;
+}
+
 std::vector<SettingChange> read_fit(const std::filesystem::path& fit) {
-    const auto path = std::filesystem::is_directory(fit) ? fit / "fit.json" : fit;
+    const auto path = fit_file(fit);
     std::ifstream file(path);
     const auto json = nlohmann::json::parse(file, nullptr, false);
     std::vector<SettingChange> changes;

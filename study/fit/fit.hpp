@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ namespace thimble {
 struct FitOptions {
     std::filesystem::path folder;  // trials.csv and trajectories/
     std::uint32_t subject = 1;
+    std::optional<std::uint32_t> experiment{};  // its trials alone
     std::filesystem::path out;
     std::size_t simulations = 4000;  // trials
     std::uint64_t seed = 1;
@@ -38,9 +40,12 @@ struct FitResult {
 SystemSettings simulated_settings(SystemSettings settings);
 
 // Writes simulations.csv (a line per pair of trials, as it ends), posterior.csv and fit.json below options.out. Throws Error: usage or
-// data, naming the file or the trial that is missing.
+// data, naming the file or the trial that is missing. Usage also where [operator] has press_N or spread_experience, which no trait of a
+// fit stands for.
 FitResult run_fit(const SystemSettings& settings, const FitOptions& options);
 
+// fit.json in the folder of a fit, or the file itself.
+std::filesystem::path fit_file(const std::filesystem::path& fit);
 // The medians of a fit, from its folder or its fit.json, as keys of a session file. Throws Error (data).
 std::vector<SettingChange> read_fit(const std::filesystem::path& fit);
 // The same, and no spread between subjects: everybody is this person.

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "common/error.hpp"
+#include "master/operator/operator_parameters.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
@@ -13,19 +14,37 @@
 namespace thimble {
 namespace {
 
-std::vector<TrialRow> rows_of_subject(const std::filesystem::path& table, std::uint32_t subject) {
+// The paper's experiments 1 and 3 have other people: their subjects 1 are two persons.
+void require_one_person(const std::filesystem::path& table, const std::vector<TrialRow>& rows) {
+    std::set<std::uint32_t> experiments, cohorts;
+    for (const TrialRow& row : rows) {
+        experiments.insert(row.conditions.experiment);
+        cohorts.insert(cohort_of(row.conditions.experiment));
+    }
+    if (cohorts.size() < 2) return;
+    throw Error(ExitCode::kData,
+                "{}: subject {} of experiments {} is not one person: choose one with --experiment {}",
+                table.string(), rows.front().conditions.subject, fmt::join(experiments, " and "),
+                fmt::join(experiments, " or "));
+}
+
+std::vector<TrialRow> rows_of_subject(const std::filesystem::path& table, std::uint32_t subject,
+                                      std::optional<std::uint32_t> experiment) {
     if (!std::filesystem::exists(table))
         throw Error(ExitCode::kData, "{}: is not there; name the folder of a thimble study or thimble run",
                     table.string());
     std::vector<TrialRow> own;
     std::set<std::uint32_t> subjects;
     for (const TrialRow& row : without_removals(read_trial_table(table))) {
+        if (experiment && row.conditions.experiment != *experiment) continue;
         subjects.insert(row.conditions.subject);
         if (row.conditions.subject == subject) own.push_back(row);
     }
     if (own.empty())
-        throw Error(ExitCode::kData, "{}: has no trial of subject {}; it has those of {}", table.string(),
-                    subject, fmt::join(subjects, ", "));
+        throw Error(ExitCode::kData, "{}: has no trial of subject {}{}; it has those of {}", table.string(),
+                    subject, experiment ? fmt::format(" in experiment {}", *experiment) : "",
+                    subjects.empty() ? "nobody" : fmt::format("{}", fmt::join(subjects, ", ")));
+    require_one_person(table, own);
     return own;
 }
 
@@ -55,9 +74,10 @@ void require_two_of_each(const RecordedTrials& recorded, std::uint32_t subject) 
 
 }  // namespace
 
-RecordedTrials recorded_trials(const std::filesystem::path& folder, std::uint32_t subject) {
+RecordedTrials recorded_trials(const std::filesystem::path& folder, std::uint32_t subject,
+                               std::optional<std::uint32_t> experiment) {
     RecordedTrials recorded;
-    for (const TrialRow& row : rows_of_subject(folder / "trials.csv", subject)) {
+    for (const TrialRow& row : rows_of_subject(folder / "trials.csv", subject, experiment)) {
         const double beep_s = row.metrics.puncture_time_s + row.metrics.completion_time_s;
         std::optional<TrialFeatures> features;
         if (row.metrics.beeped && ran_to_its_end(row)) {

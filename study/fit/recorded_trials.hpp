@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "study/fit/operator_model.hpp"
@@ -14,8 +15,10 @@ struct RecordedTrials {
     std::size_t left_out = 0;  // without a beep, or without a feature
 };
 
-// From trials.csv and trajectories/ of `folder`; trials whose fixture vanishes are not counted. Throws Error (data) where a file is
-// missing, the participant has no trial, or a condition fewer than two.
-RecordedTrials recorded_trials(const std::filesystem::path& folder, std::uint32_t subject);
+// From trials.csv and trajectories/ of `folder`, of all experiments or of one; trials whose fixture vanishes are not counted. Throws
+// Error (data) where a file is missing, the participant has no trial, or a condition fewer than two. Likewise where experiments have
+// other people under the same number.
+RecordedTrials recorded_trials(const std::filesystem::path& folder, std::uint32_t subject,
+                               std::optional<std::uint32_t> experiment = {});
 
 }  // namespace thimble

@@ -22,13 +22,6 @@ constexpr std::array<std::size_t, 12> kSubjectGrid{6,  8,  10, 12, 16, 20,
 constexpr double kCertain = 0.995;         // beyond it a curve is flat
 constexpr std::uint32_t kPowerStream = 3;  // the stream's experiment; fits have 1 and 2
 
-// Differences of one pair in the pool, and how they are judged.
-struct Pair {
-    NamedValues differences;
-    std::size_t family = 1;
-    std::optional<double> precision;  // half the interval, SI
-};
-
 std::vector<TrialRow> first_trials(const std::vector<TrialRow>& rows, std::uint32_t trials) {
     std::map<std::pair<std::uint32_t, Modality>, std::uint32_t> seen;
     std::vector<TrialRow> kept;
@@ -37,26 +30,15 @@ std::vector<TrialRow> first_trials(const std::vector<TrialRow>& rows, std::uint3
     return kept;
 }
 
-// Share of the drawn studies of `subjects` people in which the pair comes out; with a precision, in which the interval is as narrow.
-double share_of_studies(const Pair& pair, std::size_t subjects, const PowerOptions& options) {
-    if (subjects < fewest_for_signed_rank(pair.family, kFindingLevel)) return 0;
-    RandomStream random(
-        {options.seed, kPowerStream, static_cast<std::uint32_t>(subjects), 0, Purpose::kParameter});
-    const auto people = static_cast<std::uint32_t>(pair.differences.values.size());
-    std::uint32_t out = 0;
-    NamedValues study{pair.differences.name, std::vector<double>(subjects)};
-    for (std::uint32_t i = 0; i < options.studies; ++i) {
-        for (double& value : study.values) value = pair.differences.values[random.below(people)];
-        const LocationShift shift = signed_rank(study, pair.family, kFindingLevel);
-        out += pair.precision
-                   ? shift.interval && shift.interval->high - shift.interval->low <= 2 * *pair.precision
-                   : shift.p < kFindingLevel;
-    }
-    return static_cast<double>(out) / options.studies;
+bool comes_out(const NamedValues& study, const PowerPair& pair) {
+    if (study.values.size() < fewest_for_signed_rank(pair.family, kFindingLevel)) return false;
+    const LocationShift shift = signed_rank(study, pair.family, kFindingLevel);
+    if (!pair.precision) return shift.p < kFindingLevel;
+    return shift.interval && shift.interval->high - shift.interval->low <= 2 * *pair.precision;
 }
 
 // The fewest subjects. `curve` gets what was computed on the way, up to where it is flat; without it the search ends sooner.
-std::optional<std::size_t> fewest_subjects(const Pair& pair, const PowerOptions& options,
+std::optional<std::size_t> fewest_subjects(const PowerPair& pair, const PowerOptions& options,
                                            std::vector<std::pair<std::size_t, double>>* curve) {
     std::optional<std::size_t> enough;
     std::size_t before = 1;
@@ -112,7 +94,8 @@ class PowerPlan {
         for (std::uint32_t trials = options_.trials; trials > 0; trials /= 2) {
             const StudyColumns columns(first_trials(rows_, trials), 3, delay_s);
             std::size_t at = first;
-            for (const Metric metric : measures_of(3)) compare(columns, metric, trials, at);
+            for (const Metric metric : measures_of(3))
+                if (options_.judges(metric)) compare(columns, metric, trials, at);
         }
         for (std::size_t i = first; i < result_.comparisons.size(); ++i)
             result_.comparisons[i].delay_s = delay_s;
@@ -123,29 +106,33 @@ class PowerPlan {
         for (std::size_t a = 0; a < means.size(); ++a) {
             for (std::size_t b = a + 1; b < means.size(); ++b, ++at) {
                 const bool all = trials == options_.trials;
-                if (all) result_.comparisons.push_back({metric, means[a].name, means[b].name, 0, 0, {}, {}});
+                if (all)
+                    result_.comparisons.push_back({metric, means[a].name, means[b].name, 0, 0, 0, {}, {}});
                 judge(pair_of(means[a], means[b], metric), trials, all, result_.comparisons.at(at));
             }
         }
     }
 
-    Pair pair_of(const NamedValues& first, const NamedValues& second, Metric metric) const {
+    PowerPair pair_of(const NamedValues& first, const NamedValues& second, Metric metric) const {
         const std::size_t modalities = kModalities.size();
-        const bool time = metric == Metric::kCompletionTime;
-        Pair pair{{first.name + " - " + second.name, {}},
-                  modalities * (modalities - 1) / 2,
-                  time ? options_.precision_s : options_.precision_m};
-        for (std::size_t i = 0; i < first.values.size(); ++i) {
-            const double difference = first.values[i] - second.values[i];
-            if (!std::isnan(difference)) pair.differences.values.push_back(difference);
-        }
+        PowerPair pair{{first.name + " - " + second.name, {}},
+                       modalities * (modalities - 1) / 2,
+                       options_.precision_of(metric)};
+        pair.differences.values.reserve(options_.pool);
+        for (std::size_t i = 0; i < first.values.size(); ++i)
+            pair.differences.values.push_back(first.values[i] - second.values[i]);
+        // The columns lack subjects of whom no trial ran to its end.
+        pair.differences.values.resize(options_.pool, std::nan(""));
         return pair;
     }
 
-    void judge(const Pair& pair, std::uint32_t trials, bool all, PowerComparison& comparison) const {
+    void judge(const PowerPair& pair, std::uint32_t trials, bool all, PowerComparison& comparison) const {
         auto& subjects = comparison.subjects[trials];
-        if (pair.differences.values.empty()) return;
-        if (all) comparison.difference = sample_median(pair.differences);
+        NamedValues there = pair.differences;
+        std::erase_if(there.values, [](double value) { return std::isnan(value); });
+        if (all) comparison.with_a_value = there.values.size();
+        if (there.values.empty()) return;
+        if (all) comparison.difference = sample_median(there);
         subjects = fewest_subjects(pair, options_, all ? &comparison.curve : nullptr);
     }
 
@@ -157,6 +144,25 @@ class PowerPlan {
 };
 
 }  // namespace
+
+double share_of_studies(const PowerPair& pair, std::size_t subjects, const PowerOptions& options) {
+    if (subjects < fewest_for_signed_rank(pair.family, kFindingLevel)) return 0;
+    RandomStream random(
+        {options.seed, kPowerStream, static_cast<std::uint32_t>(subjects), 0, Purpose::kParameter});
+    const std::vector<double>& pool = pair.differences.values;
+    std::uint32_t out = 0;
+    NamedValues study{pair.differences.name, {}};
+    study.values.reserve(subjects);
+    for (std::uint32_t i = 0; i < options.studies; ++i) {
+        study.values.clear();
+        for (std::size_t drawn = 0; drawn < subjects; ++drawn) {
+            const double value = pool[random.below(static_cast<std::uint32_t>(pool.size()))];
+            if (!std::isnan(value)) study.values.push_back(value);
+        }
+        out += comes_out(study, pair);
+    }
+    return static_cast<double>(out) / options.studies;
+}
 
 PowerResult plan_power(const SystemSettings& settings, const PowerOptions& options) {
     return PowerPlan(settings, options).run();

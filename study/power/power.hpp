@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/statistics/named_values.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/settings/system_settings.hpp"
 
@@ -19,11 +20,16 @@ inline constexpr std::size_t kMostPowerSubjects = 100;
 
 struct PowerOptions {
     std::vector<double> delays_s{0.05};
-    double power = 0.9;                              // share of studies in which the comparison comes out
-    std::optional<double> precision_m, precision_s;  // half the 95 % interval, instead of power
-    std::uint32_t pool = 60;                         // virtual subjects
-    std::uint32_t trials = 6;                        // of each subject and modality, at most
-    std::uint32_t studies = 200;                     // drawn for each number of subjects
+    double power = 0.9;  // share of studies in which the comparison comes out
+    // Half the interval (of all pairs of a measure at once, 95 %), instead of power: then only these measures are judged.
+    std::optional<double> precision_m, precision_s;
+    std::optional<double> precision_of(Metric metric) const {
+        return metric == Metric::kCompletionTime ? precision_s : precision_m;
+    }
+    bool judges(Metric metric) const { return !(precision_m || precision_s) || precision_of(metric); }
+    std::uint32_t pool = 60;      // virtual subjects
+    std::uint32_t trials = 6;     // of each subject and modality, at most
+    std::uint32_t studies = 200;  // drawn for each number of subjects
     std::uint64_t seed = 1;
     unsigned jobs = 0;
     const std::atomic<bool>* stop = nullptr;
@@ -33,7 +39,8 @@ struct PowerComparison {
     Metric metric = Metric::kPenetrationMean;
     std::string first, second;
     double delay_s = 0;
-    double difference = 0;  // in the pool, SI: first minus second
+    double difference = 0;         // in the pool, SI: first minus second
+    std::size_t with_a_value = 0;  // of the pool: subjects whose trials, all of them, give a difference
     // By trials per modality: subjects needed; nothing if kMostPowerSubjects are not enough.
     std::map<std::uint32_t, std::optional<std::size_t>> subjects;
     std::vector<std::pair<std::size_t, double>> curve;  // subjects and power, with all trials
@@ -43,6 +50,17 @@ struct PowerResult {
     std::vector<PowerComparison> comparisons;
     bool complete = true;  // false: stopped
 };
+
+// One pair: the difference of each subject of the pool, NaN where one has none, and how drawn studies are judged.
+struct PowerPair {
+    NamedValues differences;
+    std::size_t family = 1;
+    std::optional<double> precision{};  // half the interval, SI
+};
+
+// Share of the drawn studies of `subjects` people in which the pair comes out; with a precision, in which the interval is as narrow.
+// A study judges the subjects with a difference. One with too few of them does not come out.
+double share_of_studies(const PowerPair& pair, std::size_t subjects, const PowerOptions& options);
 
 PowerResult plan_power(const SystemSettings& settings, const PowerOptions& options);
 

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/findings.hpp"
-#include "analysis/report/report.hpp"
 #include "analysis/tables/study_columns.hpp"
+#include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
@@ -13,41 +13,64 @@
 namespace thimble {
 namespace {
 
+constexpr std::string_view kAtOnce =
+    "Intervals and tests are at 95 % for the six pairs of a measure at once, 99.2 % for each.";
+
 std::string needed_text(const std::optional<std::size_t>& subjects) {
     return subjects ? std::to_string(*subjects) : fmt::format("more than {}", kMostPowerSubjects);
 }
 
 std::string goal_text(const PowerOptions& options) {
     if (!options.precision_m && !options.precision_s) return fmt::format("power {:g}", options.power);
-    return fmt::format("an interval as narrow as asked in {:g} of studies", options.power);
+    std::string widths;
+    if (options.precision_m) widths += fmt::format("{:g} mm", 1e3 * *options.precision_m);
+    if (options.precision_s)
+        widths += fmt::format("{}{:g} s", widths.empty() ? "" : " and ", *options.precision_s);
+    return fmt::format("intervals of +-{} at most in {:g} of studies", widths, options.power);
 }
 
-// A panel per measure, a line per pair: power over subjects.
-FigureSource power_figure(const PowerResult& result, double delay_s, std::size_t number) {
+std::vector<Metric> judged_measures(const PowerOptions& options) {
+    std::vector<Metric> metrics = measures_of(3);
+    std::erase_if(metrics, [&](Metric metric) { return !options.judges(metric); });
+    return metrics;
+}
+
+// The lines of a panel: shares over subjects, a block of data per pair.
+std::string curves_of(const PowerResult& result, Metric metric, double delay_s, std::size_t& block,
+                      FigureSource& figure) {
+    std::string lines;
+    for (const PowerComparison& c : result.comparisons) {
+        if (c.metric != metric || !same_delay(c.delay_s, delay_s) || c.curve.empty()) continue;
+        for (const auto& [subjects, power] : c.curve) {
+            write_cell(figure.data, static_cast<double>(subjects));
+            write_cell(figure.data, power);
+            figure.data += '\n';
+        }
+        figure.data += "\n\n";
+        lines += fmt::format("{}'{}.tsv' index {} with linespoints title '{} - {}'",
+                             lines.empty() ? "" : ", ", figure.name, block++, c.first, c.second);
+    }
+    return lines;
+}
+
+// A panel per measure, a line per pair.
+FigureSource power_figure(const PowerResult& result, const PowerOptions& options, double delay_s,
+                          std::size_t number) {
+    const bool precise = options.precision_m || options.precision_s;
     FigureSource figure;
     figure.name = fmt::format("power_{}", number);
-    figure.title = "Power at " + delay_text(delay_s);
-    figure.caption = "Share of drawn studies in which a pair comes out, by the number of virtual subjects.";
-    const std::vector<Metric> metrics = measures_of(3);
+    figure.title = fmt::format("{} at {}", precise ? "Narrow intervals" : "Power", delay_text(delay_s));
+    figure.caption = fmt::format("Share of drawn studies in which {}, by the number of virtual subjects.",
+                                 precise ? "a pair's interval is as narrow as asked" : "a pair comes out");
+    const std::vector<Metric> metrics = judged_measures(options);
     figure.script = gnuplot_preamble(figure.name, 960, 340) +
                     fmt::format(
-                        "set multiplot layout 1,{}\nset xlabel 'subjects'\nset ylabel 'power'\n"
+                        "set multiplot layout 1,{}\nset xlabel 'subjects'\nset ylabel '{}'\n"
                         "set yrange [0:1.02]\nset xrange [0:{}]\nset key bottom right\n",
-                        metrics.size(), kMostPowerSubjects);
+                        metrics.size(), precise ? "share of studies" : "power", kMostPowerSubjects);
     std::size_t block = 0;
     for (const Metric metric : metrics) {
-        std::string lines;
-        for (const PowerComparison& c : result.comparisons) {
-            if (c.metric != metric || !same_delay(c.delay_s, delay_s) || c.curve.empty()) continue;
-            for (const auto& [subjects, power] : c.curve) {
-                write_cell(figure.data, static_cast<double>(subjects));
-                write_cell(figure.data, power);
-                figure.data += '\n';
-            }
-            figure.data += "\n\n";
-            lines += fmt::format("{}'{}.tsv' index {} with linespoints title '{} - {}'",
-                                 lines.empty() ? "" : ", ", figure.name, block++, c.first, c.second);
-        }
+        const std::string lines = curves_of(result, metric, delay_s, block, figure);
         figure.script += fmt::format("set title '{}'\n", name_of(metric));
         if (!lines.empty()) figure.script += "plot " + lines + "\n";
     }
@@ -66,6 +89,7 @@ nlohmann::ordered_json to_json(const PowerComparison& c, std::uint32_t trials) {
                                 {"second", c.second},
                                 {"delay_s", c.delay_s},
                                 {"difference", c.difference},
+                                {"subjects_with_a_value", c.with_a_value},
                                 {"subjects", json_or_null(c.subjects.at(trials))}};
     for (const auto& [count, subjects] : c.subjects)
         json["subjects_by_trials"][std::to_string(count)] = json_or_null(subjects);
@@ -80,12 +104,14 @@ std::vector<ReportTable> power_tables(const PowerResult& result, const PowerOpti
     for (const double delay_s : options.delays_s) {
         ReportTable table{
             fmt::format("Virtual subjects needed at {} for {}", delay_text(delay_s), goal_text(options)),
-            "Columns: trials of each subject and modality.",
-            {"comparison", "difference"}};
+            fmt::format("Columns with numbers: trials of each subject and modality. With a value: of the {} "
+                        "in the pool, those whose trials give a difference. {}",
+                        options.pool, kAtOnce),
+            {"comparison", "difference", "with a value"}};
         for (const PowerComparison& c : result.comparisons) {
             if (!same_delay(c.delay_s, delay_s)) continue;
             std::vector<std::string> row{fmt::format("{} - {}, {}", c.first, c.second, name_of(c.metric)),
-                                         shown_text(c.difference, c.metric)};
+                                         shown_text(c.difference, c.metric), std::to_string(c.with_a_value)};
             for (auto it = c.subjects.rbegin(); it != c.subjects.rend(); ++it) {
                 if (table.rows.empty()) table.columns.push_back(std::to_string(it->first));
                 row.push_back(needed_text(it->second));
@@ -111,23 +137,32 @@ nlohmann::ordered_json to_json(const PowerResult& result, const PowerOptions& op
     return json;
 }
 
+void refuse_other_report(const std::filesystem::path& out) {
+    for (const char* name : {"power.json", "report.html"})
+        if (std::filesystem::exists(out / name))
+            throw Error(ExitCode::kUsage, "{}: exists; --overwrite replaces it, --out names another folder",
+                        (out / name).string());
+}
+
 void write_power_report(const PowerResult& result, const PowerOptions& options, const std::string& command,
-                        const std::filesystem::path& out) {
+                        const Provenance& made_with, const std::filesystem::path& out) {
     make_folder(out);
     write_text_file(out / "power.json", json_text(to_json(result, options), 2) + "\n");
     std::vector<FigureSource> figures;
     for (std::size_t i = 0; i < options.delays_s.size(); ++i)
-        figures.push_back(power_figure(result, options.delays_s[i], i + 1));
+        figures.push_back(power_figure(result, options, options.delays_s[i], i + 1));
     ReportSection section;
     section.title = "Virtual subjects needed";
     section.text = fmt::format(
         "Studies are drawn from {} virtual subjects and judged as findings are: signed ranks, all pairs of a "
-        "measure at once.",
+        "measure at once. A drawn subject without a value is left out of its study.",
         options.pool);
     section.drawn = draw_figures(std::move(figures), out);
     section.tables = power_tables(result, options);
     ReportInput report{"Thimble: how many subjects a study needs", {section}, {}};
     report.provenance = {{"command", command}, {"seed", std::to_string(options.seed)}, {"version", kVersion}};
+    report.provenance.insert(report.provenance.end(), made_with.begin(), made_with.end());
+    say_virtual_subjects(report);
     write_report(report, out / "report.html");
 }
 

@@ -89,6 +89,23 @@ TEST(StudyProgram, ClaimsAreJudgedOnlyOfThePapersDesign) {
     EXPECT_EQ(claims_of(table), 0U);
 }
 
+// The fit and the options say what ran, not the session file.
+TEST(StudyProgram, AllParametersAreThoseThatRan) {
+    const Folder folder;
+    const std::string fit = (folder / "fit.json").string();
+    std::ofstream(fit) << R"({"parameters": {"operator.criterion_N": {"median": 3.25}}})";
+    const Outcome study =
+        thimble_with({"study", "--experiment", "3", "--subjects", "1", "--seed", "9", "--order", "williams",
+                      "--no-control", "--from", fit, "--out", (folder / "out").string()});
+    EXPECT_EQ(study.code, 0) << study.words;
+    const Json provenance = Json::parse(read_text(folder / "out" / "summary.json"))["provenance"];
+    EXPECT_THAT(provenance["all parameters of paper-experiment-3.toml"].get<std::string>(),
+                AllOf(HasSubstr("\noperator.criterion_N = 3.25\n"),
+                      HasSubstr("\noperator.spread_speed = 0\n"), HasSubstr("\nsession.seed = 9\n"),
+                      HasSubstr("\nsession.order = \"williams\"\n"), HasSubstr("\nprotocol.subjects = 1\n")));
+    EXPECT_THAT(provenance["fit " + fit].get<std::string>(), HasSubstr("3.25"));
+}
+
 TEST(StudyProgram, FiguresAreAlsoPdf) {
     try {
         run_program("gnuplot", {"-V"}, ".", "");

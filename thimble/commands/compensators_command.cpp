@@ -162,6 +162,12 @@ CompensatorStudyOptions study_of(const SystemSettings& settings, const Compensat
     return study;
 }
 
+Provenance session_values(const CompensatorStudyOptions& study) {
+    return {{"session.seed", std::to_string(study.seed)},
+            {"protocol.subjects", std::to_string(study.subjects)},
+            {"protocol.trials_per_modality", std::to_string(study.trials)}};
+}
+
 int compare_compensators(CompensatorsArguments arguments) {
     const SystemSettings settings = load_system_settings(arguments.session);
     require_virtual_subjects(settings, "compensators");
@@ -173,7 +179,8 @@ int compare_compensators(CompensatorsArguments arguments) {
     print_rows(condense(settings, arguments.study, trials));
     if (!arguments.out.empty()) {
         write_compensator_report(settings, arguments.study, trials, compensators_command(arguments),
-                                 made_with({arguments.session}), arguments.out);
+                                 made_with({arguments.session}, {{}, {}, session_values(arguments.study)}),
+                                 arguments.out);
         fmt::print("report: {}\n", (std::filesystem::path(arguments.out) / "report.html").string());
     }
     return static_cast<int>(ExitCode::kOk);

@@ -81,6 +81,9 @@ Subcommand add_fit(CLI::App& app) {
     fit->add_option("-n,--subject", a.fit.subject, "the participant, as trials.csv numbers them")
         ->default_val(1)
         ->check(CLI::Range(1, 1000000));
+    fit->add_option("--experiment", a.fit.experiment,
+                    "trials of this experiment alone, where trials.csv holds several")
+        ->check(CLI::Range(1, 3));
     fit->add_option("--session", a.session,
                     "session file or name, if the folder is none of the paper's experiments: its [operator] "
                     "is the population, its rig the participant's");

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
@@ -21,13 +22,25 @@ namespace {
 struct PowerArguments {
     std::string session, from, out;
     PowerOptions power;
-    bool json = false;
+    bool json = false, overwrite = false;
 };
 
+Provenance provenance_of(const PowerArguments& a, const std::vector<SettingChange>& changes) {
+    return made_with({a.session},
+                     {a.from,
+                      changes,
+                      {{"session.seed", std::to_string(a.power.seed)},
+                       {"session.delays_s", fmt::format("[{}]", fmt::join(a.power.delays_s, ", "))},
+                       {"protocol.experiments", "[3]"},
+                       {"protocol.subjects", std::to_string(a.power.pool)},
+                       {"protocol.trials_per_modality", std::to_string(a.power.trials)}}});
+}
+
 int say_power(PowerArguments a, const std::string& typed) {
-    SystemSettings settings =
-        load_system_settings(a.session, a.from.empty() ? std::vector<SettingChange>{} : read_fit(a.from));
+    const auto changes = a.from.empty() ? std::vector<SettingChange>{} : read_fit(a.from);
+    const SystemSettings settings = load_system_settings(a.session, changes);
     require_virtual_subjects(settings, "power");
+    if (!a.out.empty() && !a.overwrite) refuse_other_report(a.out);
     install_stop_signals();
     a.power.stop = &stop_requested();
     const PowerResult result = plan_power(settings, a.power);
@@ -41,7 +54,7 @@ int say_power(PowerArguments a, const std::string& typed) {
         for (const ReportTable& table : power_tables(result, a.power)) fmt::print("{}\n", plain_table(table));
     }
     if (a.out.empty()) return static_cast<int>(ExitCode::kOk);
-    write_power_report(result, a.power, typed, a.out);
+    write_power_report(result, a.power, typed, provenance_of(a, changes), a.out);
     if (!a.json) fmt::print("report: {}\n", (std::filesystem::path(a.out) / "report.html").string());
     return static_cast<int>(ExitCode::kOk);
 }
@@ -58,9 +71,12 @@ void add_options(CLI::App& power, PowerArguments& a) {
         ->check(CLI::Range(0.05, 0.99));
     power
         .add_option("--precision-m", a.power.precision_m,
-                    "instead: half the 95 % interval of a difference in penetration, at most")
+                    "instead of power: half the interval of a difference in penetration, at most; 95 % for "
+                    "all six pairs at once. Time is then judged with --precision-s alone")
         ->check(CLI::PositiveNumber);
-    power.add_option("--precision-s", a.power.precision_s, "instead: the same of a difference in time")
+    power
+        .add_option("--precision-s", a.power.precision_s,
+                    "instead of power: the same of a difference in time")
         ->check(CLI::PositiveNumber);
     power.add_option("--trials", a.power.trials, "of each subject and modality; fewer are shown beside")
         ->capture_default_str()
@@ -75,6 +91,7 @@ void add_options(CLI::App& power, PowerArguments& a) {
     power.add_option("-j,--jobs", a.power.jobs, "threads, 0: one per core; the results do not depend on it")
         ->check(CLI::Range(0, 1024));
     power.add_option("-o,--out", a.out, "folder for power.json, report.html and figures/");
+    power.add_flag("--overwrite", a.overwrite, "replace an earlier report in that folder");
     power.add_flag("--json", a.json, "print power.json on stdout");
 }
 

@@ -21,8 +21,15 @@ namespace thimble {
 // The commit that this program was built from, "-dirty" behind it if the sources had changed; "unknown" without git.
 const char* source_commit();
 
-// For a report's provenance: the commit, each session file as it was read, and all parameters. An empty path: the defaults.
-Provenance made_with(const std::vector<std::filesystem::path>& session_files);
+// Values that a command has instead of those of its session files.
+struct OtherValues {
+    std::filesystem::path fit{};           // the fit that `changes` come from; empty: none
+    std::vector<SettingChange> changes{};  // its keys
+    Provenance options{};  // keys of the file that options replace, with the value as a file would write it
+};
+
+// For a report's provenance: the commit, each session file as it was read, and all parameters that ran. An empty path: the defaults.
+Provenance made_with(const std::vector<std::filesystem::path>& session_files, const OtherValues& other = {});
 
 // --base-port; 0 unless it is given.
 void add_base_port_option(CLI::App& command, int& base_port);

@@ -79,6 +79,18 @@ SystemSettings settings_of(const std::filesystem::path& file, const StudyArgumen
     return settings;
 }
 
+OtherValues other_values(const StudyArguments& a) {
+    OtherValues other;
+    if (!a.from.empty()) {
+        other.fit = a.from;
+        other.changes = twin_of(a.from);
+    }
+    if (a.seed) other.options.emplace_back("session.seed", std::to_string(*a.seed));
+    if (!a.order.empty()) other.options.emplace_back("session.order", fmt::format("\"{}\"", a.order));
+    if (a.subjects) other.options.emplace_back("protocol.subjects", std::to_string(*a.subjects));
+    return other;
+}
+
 StudyDesign design_of(const StudyArguments& a) {
     const std::vector<std::filesystem::path> files = sessions_of(a);
     StudyDesign design;
@@ -89,7 +101,7 @@ StudyDesign design_of(const StudyArguments& a) {
         for (Protocol& protocol : session_protocols(design.settings))
             design.protocols.push_back(std::move(protocol));
     }
-    design.made_with = made_with(files);
+    design.made_with = made_with(files, other_values(a));
     design.words = files.size() > 1 ? "--experiment all" : shipped_name(files[0]).value_or(files[0].string());
     return design;
 }

@@ -96,6 +96,23 @@ TEST(Claims, TheEffectIsAsLargeAsThePapersWhereItsFIsAmongThoseOfSuchStudies) {
     }
 }
 
+// The size of an effect is not that of the study: everybody twice gives twice the F, and about the same interval.
+TEST(Claims, TwiceThePeopleHaveAnEffectOfTheSameSize) {
+    PaperRows small;
+    small.add(1, 16, {0.001, 0.001057, 0.001107, 0.001136}, {11, 11, 11, 11});
+    small.add_removals({0.0005, 0.0001, 0.0001, 0.0001});
+    std::vector<TrialRow> twice = small.rows;
+    for (TrialRow row : small.rows) {
+        row.conditions.subject += 16;
+        twice.push_back(row);
+    }
+    for (const char* id : {"E1.mean.f", "E2.peak.f"}) {
+        const Claim claim = claim_of(judge_claims(twice), id);
+        EXPECT_EQ(claim.reproduced, true) << id << ": " << claim.ours;
+        EXPECT_THAT(claim.ours, HasSubstr("95 % of studies of the paper's size")) << id;
+    }
+}
+
 TEST(Claims, AHandleThatThrowsAFewIsNotNormal) {
     PaperRows table = the_papers();
     const auto reproduced = [&] { return claim_of(judge_claims(table.rows), "E3.max.normal").reproduced; };

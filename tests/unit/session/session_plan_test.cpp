@@ -42,6 +42,8 @@ TEST(AllParameters, AreTheFilesAndTheDefaultsOfTheRest) {
         EXPECT_THAT(text, HasSubstr(std::string("\n") + line + "\n"));
     }
     EXPECT_THAT("\n" + all_parameters({}), HasSubstr("\noperator.criterion_N = 2\n"));
+    EXPECT_THAT("\n" + all_parameters(file, {{"operator.criterion_N", 3.25}}),
+                AllOf(HasSubstr("\noperator.criterion_N = 3.25\n"), HasSubstr("\nsession.seed = 1\n")));
 }
 
 // A real handle has an energy limit where the file has none.
