@@ -36,14 +36,15 @@ std::string fit_plan(const SystemSettings& settings, const FitOptions& options,
 
 // Both change what a person does without a trait for it, so that prior and emulator would be those of other people.
 void require_fitted_traits(const SystemSettings& settings) {
-    const std::pair<const char*, double> keys[] = {{"press_N", settings.person.behaviour.press_N},
-                                                   {"spread_experience", settings.person.spread.experience}};
-    for (const auto& [key, value] : keys)
-        if (value > 0)
-            throw Error(ExitCode::kUsage,
-                        "{}: [operator] {} is {:g}, and a fit has no trait for it: leave the key out of the "
-                        "session file, or name another one with --session",
-                        settings.file.empty() ? "the settings" : settings.file.string(), key, value);
+    const auto require_off = [&settings](const char* key, double value) {
+        if (value <= 0) return;
+        throw Error(ExitCode::kUsage,
+                    "{}: [operator] {} is {:g}, and a fit has no trait for it: leave the key out of the "
+                    "session file, or name another one with --session",
+                    settings.file.empty() ? "the settings" : settings.file.string(), key, value);
+    };
+    require_off("press_N", settings.person.behaviour.press_N);
+    require_off("spread_experience", settings.person.spread.experience);
 }
 
 class Fitter {
