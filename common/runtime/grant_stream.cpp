@@ -11,13 +11,13 @@
 
 #include "common/error.hpp"
 #include "common/runtime/udp_socket.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "common/security/keyed_hash.hpp"
 
 namespace thimble {
 namespace {
 
-constexpr std::size_t kMarkBytes = 32;
-using MarkBytes = std::array<std::uint8_t, kMarkBytes>;
+constexpr std::size_t kMarkBytes = sizeof(GrantMark);
 
 template <class Plain>
 std::span<const std::uint8_t> plain_bytes(const Plain& plain) {
@@ -42,8 +42,9 @@ sockaddr_in conductor_at(const Endpoint& endpoint) {
     return UdpAddress::resolved(endpoint.host, endpoint.port, "check [network] host_session").generic();
 }
 
-constexpr Duration kMoment = std::chrono::seconds{1};  // for a stranger, and for the way to a conductor
-constexpr Duration kWayThere = std::chrono::seconds{10};
+constexpr Duration kWayThere = std::chrono::seconds{10};    // to a conductor
+constexpr Duration kTimeToProve = std::chrono::seconds{1};  // of a program that has connected
+constexpr std::size_t kMostUnproved = 256;                  // more would use up the descriptors of a program
 
 }  // namespace
 
@@ -51,12 +52,12 @@ constexpr Duration kWayThere = std::chrono::seconds{10};
 struct GrantStream::Hello {
     std::uint16_t version = kLockStepVersion;
     std::array<char, 30> program{};  // filled up with zeros
-    MarkBytes random{}, proof{};
+    GrantMark random{}, proof{};
 };
 
 struct GrantStream::Marked {
     LockStepMessage message;
-    MarkBytes mark{};
+    GrantMark mark{};
 };
 
 SecretKey read_grant_key(const std::string& digits) {
@@ -112,8 +113,8 @@ void GrantStream::agree(const SecretKey& key, const Hello& hello) {
 
 namespace {
 
-MarkBytes proof_of(const SecretKey& key, const MarkBytes& asked, std::span<const std::uint8_t> said) {
-    MarkBytes proof{};
+GrantMark proof_of(const SecretKey& key, const GrantMark& asked, std::span<const std::uint8_t> said) {
+    GrantMark proof{};
     KeyedHash(key.bytes, kMarkBytes).add("a node of lock-step").add(asked).add(said).finish(proof);
     return proof;
 }
@@ -121,7 +122,7 @@ MarkBytes proof_of(const SecretKey& key, const MarkBytes& asked, std::span<const
 }  // namespace
 
 bool GrantStream::prove(const SecretKey& key, const std::string& program) {
-    MarkBytes asked{};
+    GrantMark asked{};
     if (!read_all(descriptor_, asked.data(), asked.size())) return false;
     Hello hello;
     program.copy(hello.program.data(), hello.program.size() - 1);
@@ -132,19 +133,26 @@ bool GrantStream::prove(const SecretKey& key, const std::string& program) {
     return write_all(descriptor_, &hello, sizeof hello);
 }
 
-bool GrantStream::admit(const SecretKey& key) {
-    limit_waits(descriptor_, SO_RCVTIMEO, kMoment);
-    MarkBytes asked{};
-    system_random_bytes()(asked);
+bool GrantStream::ask() {
+    prove_until_ = wall_now() + kTimeToProve;
+    system_random_bytes()(asked_);
+    return write_all(descriptor_, asked_.data(), asked_.size());
+}
+
+GrantStream::Standing GrantStream::admit(const SecretKey& key) {
+    const ssize_t size = gather(sizeof(Hello), MSG_DONTWAIT);
+    if (size <= 0) {
+        const bool waits = size < 0 && (errno == EAGAIN || errno == EINTR) && wall_now() < prove_until_;
+        return waits ? Standing::kUnproved : Standing::kTurnedAway;
+    }
     Hello hello;
-    if (!write_all(descriptor_, asked.data(), asked.size()) || !read_all(descriptor_, &hello, sizeof hello))
-        return false;
-    const MarkBytes right = proof_of(key, asked, plain_bytes(hello).first(sizeof hello - kMarkBytes));
-    if (!same_bytes(right, hello.proof) || hello.version != kLockStepVersion) return false;
+    std::memcpy(&hello, came_.data(), sizeof hello);
+    const GrantMark right = proof_of(key, asked_, plain_bytes(hello).first(sizeof hello - kMarkBytes));
+    if (!same_bytes(right, hello.proof) || hello.version != kLockStepVersion) return Standing::kTurnedAway;
     agree(key, hello);
     program_.assign(hello.program.begin(), std::find(hello.program.begin(), hello.program.end(), '\0'));
     limit_waits(descriptor_, SO_RCVTIMEO, kLockStepLook);
-    return true;
+    return Standing::kProved;
 }
 
 // The number keeps a message from standing in for a later one.
@@ -162,14 +170,25 @@ bool GrantStream::send(const LockStepMessage& message) {
     return write_all(descriptor_, &marked, sizeof marked);
 }
 
-ssize_t GrantStream::receive(LockStepMessage& message) {
-    while (came_bytes_ < came_.size()) {
-        const ssize_t size = recv(descriptor_, came_.data() + came_bytes_, came_.size() - came_bytes_, 0);
+ssize_t GrantStream::gather(std::size_t wanted, int flags) {
+    while (came_bytes_ < wanted) {
+        const ssize_t size = recv(descriptor_, came_.data() + came_bytes_, wanted - came_bytes_, flags);
         if (size < 0 && errno == ECONNRESET) return 0;
         if (size <= 0) return size;
         came_bytes_ += static_cast<std::size_t>(size);
     }
     came_bytes_ = 0;
+    return static_cast<ssize_t>(wanted);
+}
+
+ssize_t GrantStream::receive(LockStepMessage& message) {
+    const ssize_t size = gather(sizeof(Marked), 0);
+    if (size == 0 && self_ == Sender::kNode && received_ == 0)
+        throw Error(ExitCode::kNetwork,
+                    "the conductor turned this program away: it has another key or version, or the run ended "
+                    "before its first trial; use programs of one build, and read what 'thimble run' says "
+                    "(docs/lock-step.md)");
+    if (size <= 0) return size;
     Marked marked, right;
     std::memcpy(&marked, came_.data(), sizeof marked);
     right.message = marked.message;
@@ -189,7 +208,7 @@ GrantDoor::GrantDoor(const Endpoint& here) : descriptor_(-1) {
     descriptor_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     const int again = 1;  // the connections of the last run may linger
     setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &again, sizeof again);
-    if (bind(descriptor_, raw(address), sizeof address) == 0 && listen(descriptor_, 16) == 0) return;
+    if (bind(descriptor_, raw(address), sizeof address) == 0 && listen(descriptor_, SOMAXCONN) == 0) return;
     const int error = errno;
     close(descriptor_);
     throw Error(ExitCode::kNetwork,
@@ -200,11 +219,29 @@ GrantDoor::GrantDoor(const Endpoint& here) : descriptor_(-1) {
 
 GrantDoor::~GrantDoor() { close(descriptor_); }
 
+// An unproved one gives its place up where too many come: a node with the key has proved it by then.
+void GrantDoor::accept_all() {
+    for (int came = 0; (came = accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC)) >= 0;) {
+        std::unique_ptr<GrantStream> stream(new GrantStream(came, GrantStream::Sender::kConductor));
+        if (!stream->ask()) continue;
+        if (unproved_.size() == kMostUnproved) unproved_.pop_front();
+        unproved_.push_back(std::move(stream));
+    }
+}
+
 std::unique_ptr<GrantStream> GrantDoor::take() {
-    const int came = accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC);
-    if (came < 0) return nullptr;
-    std::unique_ptr<GrantStream> stream(new GrantStream(came, GrantStream::Sender::kConductor));
-    return stream->admit(key_) ? std::move(stream) : nullptr;
+    accept_all();
+    for (auto next = unproved_.begin(); next != unproved_.end();) {
+        const auto standing = (*next)->admit(key_);
+        if (standing == GrantStream::Standing::kUnproved) {
+            ++next;
+            continue;
+        }
+        std::unique_ptr<GrantStream> stream = std::move(*next);
+        next = unproved_.erase(next);
+        if (standing == GrantStream::Standing::kProved) return stream;
+    }
+    return nullptr;
 }
 
 }  // namespace thimble

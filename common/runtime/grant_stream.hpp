@@ -2,6 +2,9 @@
 // message carries a mark that only this key makes.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <deque>
 #include <memory>
 #include <string>
 #include <sys/types.h>
@@ -19,6 +22,8 @@ inline constexpr const char* kGrantKeyVariable = "THIMBLE_GRANT_KEY";
 SecretKey read_grant_key(const std::string& digits);  // throws Error (usage)
 std::string grant_key_text(const SecretKey& key);
 
+using GrantMark = std::array<std::uint8_t, 32>;
+
 // One end of a connection. Its peer has the key, or no message of the peer is taken.
 class GrantStream : boost::noncopyable {
   public:
@@ -29,7 +34,8 @@ class GrantStream : boost::noncopyable {
 
     // False: the other end is gone.
     bool send(const LockStepMessage& message);
-    // As recv(2): 0 if the other end is gone, -1 if nothing has come. Throws Error (network) if the mark is not right.
+    // As recv(2): 0 if the other end is gone, -1 if nothing has come. Throws Error (network) if the mark is not right, or if
+    // the conductor ends before its first order to this node.
     ssize_t receive(LockStepMessage& message);
     // The node names it: "thimble-netem".
     const std::string& program() const { return program_; }
@@ -43,7 +49,12 @@ class GrantStream : boost::noncopyable {
     // Takes the descriptor.
     GrantStream(int descriptor, Sender self);
     bool prove(const SecretKey& key, const std::string& program);
-    bool admit(const SecretKey& key);
+    // The conductor's half, which never waits: it asks once, then looks again and again for the proof.
+    enum class Standing { kUnproved, kProved, kTurnedAway };
+    bool ask();
+    Standing admit(const SecretKey& key);
+    // As recv(2), but -1 until all bytes have come.
+    ssize_t gather(std::size_t wanted, int flags);
     void agree(const SecretKey& key, const Hello& hello);
     void mark(Marked& marked, Sender sender, std::uint64_t number) const;
 
@@ -51,6 +62,8 @@ class GrantStream : boost::noncopyable {
     Sender self_;
     std::string program_;
     SecretKey key_;  // of this connection
+    GrantMark asked_{};
+    SessionTime prove_until_{};
     std::array<std::uint8_t, 128> came_{};
     std::size_t came_bytes_ = 0;
     std::uint64_t sent_ = 0, received_ = 0;
@@ -64,12 +77,16 @@ class GrantDoor : boost::noncopyable {
     ~GrantDoor();
 
     const SecretKey& key() const { return key_; }
-    // Of a node that waits; null: no program with the key waits. A stranger gets a moment to show the key.
+    // Of a node that has proved the key; null: none has. It never waits. Each program that connects has 1 s to prove the key,
+    // beside all others.
     std::unique_ptr<GrantStream> take();
 
   private:
+    void accept_all();
+
     int descriptor_;
     SecretKey key_;
+    std::deque<std::unique_ptr<GrantStream>> unproved_{};  // oldest first
 };
 
 }  // namespace thimble

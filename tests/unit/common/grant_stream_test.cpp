@@ -3,10 +3,12 @@
 
 #include <array>
 #include <future>
+#include <memory>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +16,7 @@
 #include "common/error.hpp"
 #include "common/runtime/udp_socket.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
 #include "tests/refusal.hpp"
 
 namespace thimble {
@@ -81,14 +84,40 @@ TEST_F(Grants, ANodeWithTheKeyTalksWithItsConductor) {
     }
 }
 
-TEST_F(Grants, AStrangerIsNotLetIn) {
+TEST_F(Grants, AStrangerIsNotLetInAndSaysSo) {
     SecretKey other = door_.key();
     other.bytes[3] ^= 1U;
-    const auto stranger = node_with(other, here_);
+    auto coming_stranger = node_with(other, here_);
     EXPECT_FALSE(take_within(door_, std::chrono::milliseconds{300}));
+    LockStepEnd stranger(coming_stranger.get(), std::chrono::seconds{5});
+    EXPECT_THAT(refusal([&] { stranger.receive(); }, ExitCode::kNetwork),
+                HasSubstr("the conductor turned this program away: it has another key or version"));
     auto coming = node_with(door_.key(), here_);
     EXPECT_TRUE(take_within(door_, std::chrono::seconds{5}));
     coming.wait();
+}
+
+// More of them than the door keeps.
+TEST_F(Grants, ConnectionsThatSayNothingKeepNoNodeOut) {
+    const auto way = UdpAddress::resolved(here_.host, here_.port, "").generic();
+    std::vector<std::unique_ptr<FileDescriptor>> idle;
+    idle.reserve(300);
+    for (int i = 0; i < 300; ++i) {
+        idle.push_back(std::make_unique<FileDescriptor>(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)));
+        ASSERT_EQ(connect(idle.back()->get(), raw(way), sizeof way), 0);
+        if (i >= 290) continue;  // the node waits behind these
+        EXPECT_FALSE(door_.take());
+    }
+    auto coming = node_with(door_.key(), here_);
+    EXPECT_TRUE(take_within(door_, std::chrono::seconds{5}));
+    EXPECT_TRUE(coming.get());
+    EXPECT_FALSE(take_within(door_, std::chrono::milliseconds{1200}));
+    std::uint8_t byte = 0;
+    for (const auto& one : idle) {
+        ssize_t size = 1;
+        while (size > 0) size = recv(one->get(), &byte, 1, MSG_DONTWAIT);
+        EXPECT_EQ(size, 0) << "it is still connected";
+    }
 }
 
 TEST_F(Grants, AMessageThatIsChangedOnItsWayIsRefused) {
