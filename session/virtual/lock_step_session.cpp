@@ -173,7 +173,10 @@ class LockStepSession final : public SteppedSession {
 
 }  // namespace
 
+// slave_sim sends a picture beside each force for visual. One more at the picture's port is a beep.
 void AnnouncedMail::post(std::span<const std::uint16_t> sent) {
+    beep_ = beep_ || sent[static_cast<std::size_t>(Port::kVisualScene)] >
+                         sent[static_cast<std::size_t>(Port::kNetemForceVisual)];
     for (const Port port : kEveryPort) {
         const auto i = static_cast<std::size_t>(port);
         if (sent[i] == 0) continue;
@@ -183,6 +186,7 @@ void AnnouncedMail::post(std::span<const std::uint16_t> sent) {
 }
 
 void AnnouncedMail::take(Role role, std::span<std::uint16_t> datagrams) {
+    if (role == Role::kVisual) beep_ = false;
     for (const Port port : kEveryPort) {
         const auto i = static_cast<std::size_t>(port);
         if (waiting_[i] > 0 && owner(port) == role)
@@ -190,11 +194,12 @@ void AnnouncedMail::take(Role role, std::span<std::uint16_t> datagrams) {
     }
 }
 
-bool AnnouncedMail::only_at(Port port) const {
-    return std::all_of(kEveryPort.begin(), kEveryPort.end(), [&](Port other) {
-        const bool waits = waiting_[static_cast<std::size_t>(other)] > 0;
-        return owner(other) != owner(port) || waits == (other == port);
-    });
+bool AnnouncedMail::only_pictures() const {
+    const auto wants_answer = [this](Port port) {
+        return owner(port) == Role::kVisual && port != Port::kVisualForce && port != Port::kVisualScene &&
+               waiting_[static_cast<std::size_t>(port)] > 0;
+    };
+    return !beep_ && std::none_of(kEveryPort.begin(), kEveryPort.end(), wants_answer);
 }
 
 void GrantedProcess::begin(Duration limit) {
@@ -224,10 +229,10 @@ void GrantedProcess::tick(SessionTime now) {
                     to_string(role_), due_at_once_, to_seconds(now.time_since_epoch()));
 }
 
-// Between two frames a force changes the next picture, and nothing else.
+// Between two frames pictures and forces change the next scene, and nothing else.
 bool GrantedProcess::may_be_quiet(SessionTime now) const {
     return role_ == Role::kVisual && now < std::min(next_, quiet_until_) && quiet_ < kMostQuiet &&
-           mail_.only_at(Port::kVisualForce);
+           mail_.only_pictures();
 }
 
 std::optional<LockStepMessage> GrantedProcess::receive() {

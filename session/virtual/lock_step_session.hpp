@@ -27,13 +27,14 @@ class AnnouncedMail {
     void post(std::span<const std::uint16_t> sent);
     // For the ports of one program; the others are zero.
     void take(Role role, std::span<std::uint16_t> datagrams);
-    // Whether something waits for the owner of the port, and all of it there.
-    bool only_at(Port port) const;
+    // Whether visual has nothing to answer: pictures and forces alone wait for it, and no beep.
+    bool only_pictures() const;
 
   private:
     std::uint32_t* woken_;
     std::array<std::uint32_t, kRoleCount> bits_{};
     DatagramCounts waiting_{};
+    bool beep_ = false;  // waits for visual
 };
 
 // A node's program as a process of the loop: a tick is a grant and its answer. One that is lost is never due again.
