@@ -60,7 +60,7 @@ inline constexpr std::array<Invariant, static_cast<std::size_t>(Rule::kCount)> k
     {"rest-after", "after a trial no output has a force"},
     {"counts-add-up", "netem's counters account for every datagram"},
     {"no-crash", "no program ends by an exception"},
-    {"same-bits", "the same seed gives the same forces, to the bit"},
+    {"same-bits", "the same seed gives the same forces, scenes and samples, to the bit"},
 }};
 constexpr std::string_view name_of(Rule rule) { return kInvariants[static_cast<std::size_t>(rule)].name; }
 

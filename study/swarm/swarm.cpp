@@ -12,7 +12,7 @@
 namespace thimble {
 namespace {
 
-// One case in so many runs twice, and both must have the same forces.
+// One case in so many runs twice, and both must have the same digest.
 constexpr std::uint64_t kTwiceEvery = 64;
 constexpr std::uint64_t kProgressEvery = 1000;
 
@@ -26,7 +26,8 @@ Judged judge(const std::vector<KeyDeclaration>& keys, std::uint64_t seed, const 
     judged.outcome = run_case(judged.drawn, break_force);
     if (judged.outcome.violation || seed % kTwiceEvery != 0) return judged;
     if (run_case(judged.drawn, break_force).digest != judged.outcome.digest)
-        judged.outcome.violation = Violation{Rule::kSameBits, {}, "a second run had other forces"};
+        judged.outcome.violation =
+            Violation{Rule::kSameBits, {}, "a second run had other forces, scenes or samples"};
     return judged;
 }
 

@@ -9,7 +9,7 @@ namespace thimble {
 
 struct SwarmOutcome {
     std::optional<Violation> violation;
-    std::uint64_t digest = 0;  // of all forces at the handle
+    std::uint64_t digest = 0;  // of all outputs and samples
     double simulated_s = 0;
     std::vector<EndReason> ends;  // of the trials
 };

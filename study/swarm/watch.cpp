@@ -62,14 +62,23 @@ void Watch::run_again(Role role, bool anew) {
     if (role == Role::kSlaveSim) newest_ = {};
 }
 
-void Watch::release() { released_ = true; }
+void Watch::release() {
+    released_ = true;
+    none_held_since_ = kNever;
+}
+
+// Turned, because a multiplication alone never brings a high bit down: two changes of a sign would cancel.
+void Watch::mix(std::initializer_list<double> numbers) {
+    for (const double number : numbers)
+        digest_ = std::rotl((digest_ ^ std::bit_cast<std::uint64_t>(number)) * 0x100000001b3U, 29);
+}
 
 void Watch::disturb(Port port) {
     if (std::find(kStopPorts.begin(), kStopPorts.end(), port) != kStopPorts.end()) buses_disturbed_ = true;
 }
 
 void Watch::handle_commanded(SessionTime now, double force_N) {
-    digest_ = (digest_ ^ std::bit_cast<std::uint64_t>(force_N)) * 0x100000001b3U;
+    mix({force_N});
     const GuardSettings& guard = settings_.master.guard;
     if (!std::isfinite(force_N) || std::abs(force_N) > guard.force_limit_N)
         fail(Rule::kForceLimit, fmt::format("{} N", force_N));
@@ -105,6 +114,7 @@ void Watch::handle_read(SessionTime now, const HandleSample& sample) {
 }
 
 void Watch::finger_commanded(SessionTime /*now*/, double force_N) {
+    mix({force_N});
     if (!std::isfinite(force_N) || force_N < 0 || force_N > settings_.cutaneous.guard_limit_N)
         fail(Rule::kFingerLimit, fmt::format("{} N commanded", force_N));
     const bool wears = modality_ == Modality::kCF || modality_ == Modality::kCCF ||
@@ -122,6 +132,7 @@ void Watch::finger_felt(double force_N) {
 
 void Watch::bar_drawn(SessionTime /*now*/, const Scene& scene) {
     bar_N_ = scene.bar_N;
+    mix({scene.bar_N, scene.position_needle_m, scene.position_surface_m, scene.fingertip_N});
     const bool numbers =
         all_finite({scene.bar_N, scene.position_needle_m, scene.position_surface_m, scene.fingertip_N});
     if (!numbers || scene.bar_N < 0) fail(Rule::kBarSilence, fmt::format("the bar shows {} N", scene.bar_N));
@@ -133,6 +144,8 @@ void Watch::bar_drawn(SessionTime /*now*/, const Scene& scene) {
 }
 
 void Watch::sample_recorded(const TrajectorySample& s) {
+    mix({s.time_s, s.position_needle_m, s.position_surface_m, s.force_tissue_N, s.force_fixture_N,
+         s.force_total_N, s.contact_time_s});
     const bool numbers = all_finite({s.time_s, s.position_needle_m, s.position_surface_m, s.force_tissue_N,
                                      s.force_fixture_N, s.force_total_N, s.contact_time_s});
     if (!numbers || s.time_s <= last_sample_s_)
@@ -276,12 +289,24 @@ bool Watch::look_for_stops() {
     return any;
 }
 
+// The next stop must hold again. A datagram that was held up may bring the old stop and its release once more: until none can,
+// the release counts.
+void Watch::forget_release() {
+    const bool asleep =
+        std::any_of(programs_.begin(), programs_.end(), [](const Program& one) { return one.frozen; });
+    if (!released_ || asleep || buses_disturbed_) return;
+    none_held_since_ = std::min(none_held_since_, now());
+    if (now() - none_held_since_ > kStopReachesNew) released_ = false;
+}
+
 void Watch::watch_stops() {
     if (!look_for_stops()) {
         stop_since_ = kNever;
+        forget_release();
         for (Program& program : programs_) program.new_instance = false;
         return;
     }
+    none_held_since_ = kNever;
     stop_since_ = std::min(stop_since_, now());
     if (buses_disturbed_ || released_) return;
     for (const Role role : kSwarmPrograms) {

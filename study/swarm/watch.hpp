@@ -3,6 +3,7 @@
 
 #include <array>
 #include <deque>
+#include <initializer_list>
 
 #include "common/control/port_observer.hpp"
 #include "session/virtual/virtual_session.hpp"
@@ -58,7 +59,7 @@ class Watch {
     void count();
 
     const std::optional<Violation>& violation() const { return verdict_.first(); }
-    // Of all commands to the handle.
+    // Of what the operator gets and the session records: commands to handle and finger, scenes, samples.
     std::uint64_t digest() const { return digest_; }
 
   private:
@@ -73,6 +74,7 @@ class Watch {
     const StopBus& bus(Role role) const;
     Duration silence(const InputNews& input, Role role);
     Duration most_silence(const StalePolicy& policy) const;
+    void mix(std::initializer_list<double> numbers);
     void hear_force(const Message& message);
     void hear_needle(const ForceFeedback& feedback, std::uint32_t trial);
     void watch_begin();
@@ -81,6 +83,7 @@ class Watch {
     void watch_needle();
     bool has_settled(Role role);
     bool look_for_stops();
+    void forget_release();
     void watch_stops();
     void watch_rest(Role role);
 
@@ -117,7 +120,7 @@ class Watch {
     ForceFeedback newest_;                        // of slave_sim
     std::uint32_t trial_ = 0, newest_trial_ = 0;  // that runs, that slave_sim answered in
     double last_sample_s_ = -1;
-    SessionTime stop_since_ = kNever;
+    SessionTime stop_since_ = kNever, none_held_since_ = kNever;  // the latter since a release
     bool buses_disturbed_ = false, released_ = false;
 };
 

@@ -2,6 +2,7 @@
 #include "study/swarm/swarm.hpp"
 
 #include <cstdlib>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -82,6 +83,45 @@ TEST(Swarm, ASeedIsOneCaseWithTheSameBits) {
         EXPECT_EQ(case_text(one), case_text(other));
         EXPECT_EQ(run_case(one).digest, run_case(other).digest);
     }
+}
+
+// A trial without a force at the handle has bits to compare as well.
+TEST(SwarmWatch, TheDigestHasFingerSceneAndSample) {
+    const SystemSettings settings = load_system_settings({});
+    Watch watch(settings, false);
+    std::set<std::uint64_t> digests{watch.digest()};
+    watch.finger_commanded({}, 0.5);
+    EXPECT_TRUE(digests.insert(watch.digest()).second) << "finger";
+    Scene scene;
+    scene.position_needle_m = 0.01;
+    watch.bar_drawn({}, scene);
+    EXPECT_TRUE(digests.insert(watch.digest()).second) << "scene";
+    watch.sample_recorded({0.001, 0.01});
+    EXPECT_TRUE(digests.insert(watch.digest()).second) << "sample";
+}
+
+TEST(SwarmWatch, AStopMustHoldAlsoAfterTheReleaseOfAnEarlierOne) {
+    const SystemSettings settings = load_system_settings({});
+    Watch watch(settings, false);
+    VirtualSession session(settings);
+    watch.look_at(session);
+    const auto run_for = [&](Duration time) {
+        for (const SessionTime end = session.now() + time; session.now() < end && session.loop().step();)
+            watch.instant();
+    };
+    session.emergency_stop(Role::kMaster, "the first");
+    run_for(std::chrono::seconds{1});
+    watch.release();
+    session.release_stop();
+    run_for(std::chrono::seconds{2});
+    session.emergency_stop(Role::kMaster, "the second");
+    run_for(std::chrono::seconds{1});
+    ASSERT_FALSE(watch.violation()) << watch.violation()->text;
+    session.restart(
+        Role::kVisual);  // it does not know the stop, and the watch does not know of the new program
+    watch.instant();
+    ASSERT_TRUE(watch.violation());
+    EXPECT_EQ(watch.violation()->rule, Rule::kStopHolds);
 }
 
 TEST(Swarm, WritesTheSmallestSessionThatFails) {
