@@ -59,7 +59,7 @@ class Watch {
     void count();
 
     const std::optional<Violation>& violation() const { return verdict_.first(); }
-    // Of what the operator gets and the session records: commands to handle and finger, scenes, samples.
+    // Of all commands to handle and finger, all scenes and all recorded samples.
     std::uint64_t digest() const { return digest_; }
 
   private:

@@ -4,7 +4,7 @@ usage: sweep.py BIN LIBRARY [CALLS] [SCENARIO...]
 
 BIN: the programs; LIBRARY: fail_once; CALLS: how many of each kind to try in each scenario, spread over all (0: every one).
 Promise: the program ends, not by a signal and not late, with an exit code of docs/programs.md. With 0 its files are those of a run
-in which nothing fails. Otherwise it says why on stderr, and the rows that it kept are rows of that run.
+in which nothing fails, or what it prints. Otherwise it says why on stderr, and the rows that it kept are rows of that run.
 """
 
 import concurrent.futures
@@ -26,11 +26,11 @@ contact_hold_s = 0.05
 position_m = 0.022
 """
 RUN = ("run", "{session}", "--clock", "lock-step", "--out", "{out}", "--base-port", "{port}")
-# By name: which program fails, the arguments of thimble, and the file that must be the same.
+# By name: which program fails, the arguments of thimble, and the file that must be the same (None: what it prints).
 SCENARIOS = {
     "check": ("thimble", ("check", "{session}"), None),
     "study": ("thimble", ("study", "{session}", "--subjects", "1", "--jobs", "1", "--out", "{out}"), "trials.csv"),
-    "report": ("thimble", ("report", "--study", "{done}", "--out", "{out}"), None),
+    "report": ("thimble", ("report", "--study", "{done}", "--out", "{out}"), "report.html"),
     "session": ("thimble", RUN, "trials.csv"),
     **{node: (f"thimble-{node}", RUN, "trials.csv")
        for node in ("slave-sim", "master", "cutaneous", "visual", "netem")},
@@ -48,7 +48,7 @@ class Sweep:
                        capture_output=True)
 
     def run(self, scenario, kind, call, place):
-        """(exit code or None, words, the file's text)"""
+        """(exit code or None, words, the text to compare)"""
         program, words, file = SCENARIOS[scenario]
         out = self.folder / f"{scenario}-{kind}-{call}"
         filled = [word.format(session=self.session, out=out, done=self.done, port=28000 + 64 * place)
@@ -63,8 +63,10 @@ class Sweep:
                                    text=True, errors="replace", timeout=MOST_S, check=False)
         except subprocess.TimeoutExpired as late:
             return None, str(late.stderr), ""
-        kept = out / file if file else None
-        return ended.returncode, ended.stderr, kept.read_text() if kept and kept.exists() else ""
+        if file is None:
+            return ended.returncode, ended.stderr, ended.stdout
+        text = (out / file).read_text() if (out / file).exists() else ""
+        return ended.returncode, ended.stderr, text.replace(str(out), "OUT")  # a report has the command
 
     def counts(self, scenario):
         lines = (self.folder / f"{scenario}.counts").read_text().splitlines()

@@ -117,8 +117,7 @@ TEST(SwarmWatch, AStopMustHoldAlsoAfterTheReleaseOfAnEarlierOne) {
     session.emergency_stop(Role::kMaster, "the second");
     run_for(std::chrono::seconds{1});
     ASSERT_FALSE(watch.violation()) << watch.violation()->text;
-    session.restart(
-        Role::kVisual);  // it does not know the stop, and the watch does not know of the new program
+    session.restart(Role::kVisual);  // without the stop, and without a word to the watch
     watch.instant();
     ASSERT_TRUE(watch.violation());
     EXPECT_EQ(watch.violation()->rule, Rule::kStopHolds);

@@ -1,5 +1,6 @@
 // thimble check: what is wrong with a session file, or which trials it means.
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -41,21 +42,20 @@ std::string run_text(const SystemSettings& settings) {
                        plan.delays.size() * plan.modalities.size(), plan.subject);
 }
 
-std::string study_text(const SystemSettings& settings) {
+std::string study_text(const SystemSettings& settings, bool paper) {
     require_virtual_subjects(settings, "study");
     std::uint64_t trials = 0;
     const std::vector<Protocol> protocols = session_protocols(settings);
     for (const Protocol& protocol : protocols)
         trials += std::uint64_t{protocol.subjects} * subject_trials(protocol, 1).size();
     return fmt::format("{} trials of {} virtual subject{}{}", trials, protocols[0].subjects,
-                       protocols[0].subjects == 1 ? "" : "s",
-                       is_paper_session(settings.file) ? ", judged by the paper's claims" : "");
+                       protocols[0].subjects == 1 ? "" : "s", paper ? ", judged by the paper's claims" : "");
 }
 
 // A line for each command, which says the same as the command: also why it refuses the session.
-void say(const char* command, std::string (*text)(const SystemSettings&), const SystemSettings& settings) {
+void say(const char* command, const std::function<std::string()>& text) {
     try {
-        fmt::print("thimble {}: {}\n", command, text(settings));
+        fmt::print("thimble {}: {}\n", command, text());
     } catch (const Error& refusal) {
         fmt::print("thimble {}: refused: {}\n", command, refusal.what());
     }
@@ -64,10 +64,11 @@ void say(const char* command, std::string (*text)(const SystemSettings&), const 
 int check_config(const std::string& config) {
     const SystemSettings settings = load_system_settings(config);
     check_build(settings);
+    const bool paper = is_paper_session(settings.file);  // reads the file: if that fails, no command refuses
     for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
     fmt::print("{}: good\n{}\n", config, conditions_text(settings.plan));
-    say("run", run_text, settings);
-    say("study", study_text, settings);
+    say("run", [&] { return run_text(settings); });
+    say("study", [&] { return study_text(settings, paper); });
     return 0;
 }
 
