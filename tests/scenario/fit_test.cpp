@@ -98,6 +98,7 @@ TEST(FitCalibration, FindsTheSpeedOfASlowPerson) {
     slow.person.behaviour.speed_insert_needle_m_per_s *= 0.7;
     slow.person.spread = {0, 0, 0, 0, 0, 0, 0};
     std::vector<ObservedTrial> trials;
+    trials.reserve(force.size());
     for (const TrialConditions& conditions : force)
         trials.push_back({conditions, *simulate_trial(slow, conditions)});
     const KeySummary speed = summarise(fitted_keys(settings.person).front(), model.posterior(trials, 1, 300));
