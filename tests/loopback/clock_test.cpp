@@ -40,6 +40,9 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
     return texts;
 }
 
+// For a trial in lock-step, which the thread sanitizer makes ten times as long.
+constexpr Duration kTrialPatience = std::chrono::minutes{2};
+
 class RunByClock : public testing::Test {
   protected:
     std::vector<std::string> arguments(const std::string& text, const std::string& clock,
@@ -84,7 +87,8 @@ class RunByClock : public testing::Test {
     // Waits until a trial is being written.
     bool reaches(const std::string& trial) const {
         std::error_code absent;
-        return wait_until([&] { return fs::file_size(out_ / "trajectories" / trial, absent) + 1 > 1; });
+        return wait_until([&] { return fs::file_size(out_ / "trajectories" / trial, absent) + 1 > 1; },
+                          kTrialPatience);
     }
 
     const Folder folder_;
@@ -176,12 +180,14 @@ TEST_F(RunByClock, LockStepMindsNoView) {
     Child child = start(kOneByOne, {"--monitor", "--plotjuggler", std::to_string(others.base())});
     std::set<std::uint32_t> trials;
     bool plotted = false;
-    const bool ended = wait_until([&] {
-        view.listen(wall_now());
-        if (view.running()) trials.insert(view.trial());
-        plotted = plotted || !plot.receive().empty();
-        return child.poll().has_value();
-    });
+    const bool ended = wait_until(
+        [&] {
+            view.listen(wall_now());
+            if (view.running()) trials.insert(view.trial());
+            plotted = plotted || !plot.receive().empty();
+            return child.poll().has_value();
+        },
+        kTrialPatience);
     ASSERT_TRUE(ended);
     EXPECT_EQ(child.poll(), 0) << read_text(folder_ / "words");
     EXPECT_THAT(trials, testing::ElementsAre(1U, 2U));
