@@ -158,7 +158,9 @@ TEST_F(FalconUsb, TheForceIsTakenFromADeviceThatIsBusyForAWhileOrRefusesItsSetti
         kill(guardian.pid(), SIGKILL);
         ASSERT_TRUE(comes([&] { return guardian.mailbox().lost(); }));
         wall_sleep(std::chrono::milliseconds{100});
-        if (busy) EXPECT_EQ(motor(falcon), 500);
+        if (busy) {
+            EXPECT_EQ(motor(falcon), 500);
+        }
         falcon.be_claimed_by_somebody(false);
         EXPECT_TRUE(comes([&] { return motor(falcon) == 0; })) << busy;
         set(falcon, &FalconEmulator::stalled_control, false);
