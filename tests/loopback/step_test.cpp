@@ -63,7 +63,7 @@ TEST_F(StepThrough, ChangesNoByteAndNamesEachProgramsPid) {
         EXPECT_THAT(words(), HasSubstr(fmt::format("pid {} ", pids.front()))) << program;
     }
     type("\n\n1.5\nc\n");
-    EXPECT_EQ(child.wait(kPatience), 0) << words();
+    EXPECT_EQ(child.wait(std::chrono::minutes{2}), 0) << words();
     EXPECT_THAT(words(), HasSubstr(", is next"));
     EXPECT_THAT(words(), HasSubstr("at 1.5"));
     std::vector<std::string> plain = arguments(kShort, "plain");
