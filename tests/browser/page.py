@@ -33,7 +33,7 @@ def skip(words):
 def start(webdriver, service):
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium")
-    for word in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars"):
+    for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars"):
         options.add_argument(word)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     return webdriver.Chrome(service=service(shutil.which("chromedriver")), options=options)
@@ -158,7 +158,7 @@ def try_bytes(visitor, thimble):
     for seed in SEEDS:
         digest = visitor.digest(seed)
         expect(digest == native_digest(thimble, seed), f"seed {seed}: the native program's bytes ({digest[:12]})")
-    command = [shutil.which("chromium"), "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=1000", "--dump-dom",
+    command = [shutil.which("chromium"), "--headless", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--virtual-time-budget=1000", "--dump-dom",
                visitor.page.as_uri() + "#check=1"]
     dom = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False).stdout
     found = dom.partition('<pre id="check">')[2].partition("</pre>")[0]
