@@ -1,4 +1,4 @@
-// All that the page's JavaScript calls. Plain numbers and texts go through; an error's words end in last_error().
+// All that the page's JavaScript calls. Numbers and texts go through, nothing else.
 #include <array>
 #include <cmath>
 #include <emscripten.h>
@@ -7,7 +7,6 @@
 
 #include "browser/live_trial.hpp"
 #include "browser/page_study.hpp"
-#include "common/error.hpp"
 #include "netem/profiles/profiles.hpp"
 #include "stability/critical_delay.hpp"
 #include "study/loop_limits.hpp"
@@ -43,6 +42,7 @@ struct Side {
     std::string labels;
 };
 std::array<Side, kTrials> sides;
+Side& side_of(int number) { return sides.at(static_cast<std::size_t>(number)); }
 std::unique_ptr<PageStudy> study;
 std::string words;  // of the last text that was asked for
 
@@ -95,20 +95,20 @@ EMSCRIPTEN_KEEPALIVE void begin_trial(int side, int modality, double delay_s, in
     choice.virtual_hand = virtual_hand != 0;
     choice.compensator = static_cast<Compensator>(compensator);
     choice.seed = static_cast<std::uint64_t>(seed);
-    sides.at(static_cast<std::size_t>(side)).trial = std::make_unique<LiveTrial>(choice);
+    side_of(side).trial = std::make_unique<LiveTrial>(choice);
 }
 
 EMSCRIPTEN_KEEPALIVE void change_delay(int side, double delay_s) {
-    sides.at(static_cast<std::size_t>(side)).trial->change_delay(delay_s);
+    side_of(side).trial->change_delay(delay_s);
 }
 
 EMSCRIPTEN_KEEPALIVE int change_network(int side, const char* name) {
-    return sides.at(static_cast<std::size_t>(side)).trial->change_network(name) ? 1 : 0;
+    return side_of(side).trial->change_network(name) ? 1 : 0;
 }
 
 // The state after it, in the order of state_names().
 EMSCRIPTEN_KEEPALIVE const double* advance(int side, double seconds, double hand_m, int engaged) {
-    Side& one = sides.at(static_cast<std::size_t>(side));
+    Side& one = side_of(side);
     one.trial->point(hand_m, engaged != 0);
     one.trial->advance(seconds);
     const LiveState state = one.trial->state();
@@ -118,7 +118,7 @@ EMSCRIPTEN_KEEPALIVE const double* advance(int side, double seconds, double hand
 
 // Builds the cut-away view for a canvas of this size, in pixels.
 EMSCRIPTEN_KEEPALIVE void draw(int side, double width, double height, int fixture_seen) {
-    Side& one = sides.at(static_cast<std::size_t>(side));
+    Side& one = side_of(side);
     Scene scene = one.trial ? one.trial->scene() : one.recorded;
     if (!scene.cut_away) return;
     const CutawayPlan plan = plan_cutaway({0, 0, width, height});
@@ -139,7 +139,7 @@ EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_
     cut.phase = static_cast<TissuePhase>(phase);
     cut.modality = kModalities.at(static_cast<std::size_t>(modality));
     cut.fixture_present = std::isfinite(fixture_m);
-    Scene& scene = sides.at(static_cast<std::size_t>(side)).recorded;
+    Scene& scene = side_of(side).recorded;
     scene.position_needle_m = needle_m;
     scene.position_surface_m = surface_m;
     scene.cut_away = cut;
@@ -147,22 +147,15 @@ EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_
 EMSCRIPTEN_KEEPALIVE double pixels_per_metre(double height) {
     return plan_cutaway({0, 0, height, height}).per_m;
 }
-EMSCRIPTEN_KEEPALIVE const void* vertices(int side) {
-    return sides[static_cast<std::size_t>(side)].mesh.vertices().data();
-}
+EMSCRIPTEN_KEEPALIVE const void* vertices(int side) { return side_of(side).mesh.vertices().data(); }
 EMSCRIPTEN_KEEPALIVE int vertex_bytes(int side) {
-    return static_cast<int>(sides[static_cast<std::size_t>(side)].mesh.vertices().size() *
-                            sizeof(Mesh::Vertex));
+    return static_cast<int>(side_of(side).mesh.vertices().size() * sizeof(Mesh::Vertex));
 }
-EMSCRIPTEN_KEEPALIVE const void* indices(int side) {
-    return sides[static_cast<std::size_t>(side)].mesh.indices().data();
-}
+EMSCRIPTEN_KEEPALIVE const void* indices(int side) { return side_of(side).mesh.indices().data(); }
 EMSCRIPTEN_KEEPALIVE int index_count(int side) {
-    return static_cast<int>(sides[static_cast<std::size_t>(side)].mesh.indices().size());
+    return static_cast<int>(side_of(side).mesh.indices().size());
 }
-EMSCRIPTEN_KEEPALIVE const char* labels(int side) {
-    return sides[static_cast<std::size_t>(side)].labels.c_str();
-}
+EMSCRIPTEN_KEEPALIVE const char* labels(int side) { return side_of(side).labels.c_str(); }
 
 // From which one-way delay on HF oscillates under this pointer, by theory.
 EMSCRIPTEN_KEEPALIVE double onset_s() {
@@ -186,7 +179,7 @@ EMSCRIPTEN_KEEPALIVE int go_on_study(int instants) {
 EMSCRIPTEN_KEEPALIVE int study_planned() { return static_cast<int>(study->planned()); }
 EMSCRIPTEN_KEEPALIVE int study_done() { return static_cast<int>(study->rows().size()); }
 EMSCRIPTEN_KEEPALIVE double study_simulated_s() { return study->simulated_s(); }
-// Of a row: modality, mean and maximum penetration (m), completion time (s), whether it oscillates.
+// Of a row: modality, mean and maximum penetration (m), completion time (s), whether it oscillates, subject.
 EMSCRIPTEN_KEEPALIVE double study_value(int row, int column) {
     const TrialRow& r = study->rows().at(static_cast<std::size_t>(row));
     const TrialMetrics& m = r.metrics;

@@ -18,6 +18,7 @@ class Engine {
   constructor(module) {
     this.m = module;
     this.names = this.text(module._state_names()).split(' ');
+    this.onset_ms = 1000 * module._onset_s();  // it reads all settings: once
   }
   text(pointer) { return this.m.UTF8ToString(pointer); }
   lines(pointer) { return this.text(pointer).split('\n').filter((line) => line !== ''); }
@@ -42,7 +43,6 @@ class Engine {
       return { x: +x, y: +y, colour: `rgb(${r},${g},${b})`, endsThere: endsThere === '1', text: words.join(' ') };
     });
   }
-  onset() { return this.m._onset_s(); }
   networks() { return this.lines(this.m._networks()).map((line) => line.split('\t')); }
   compensators() { return this.lines(this.m._compensators()); }
 

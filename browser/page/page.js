@@ -35,7 +35,7 @@ class Page {
     for (const [name, about] of this.engine.networks()) $('network').append(new Option(`${name}: ${about}`, name));
     for (const [i, name] of this.engine.compensators().entries()) $('compensator').append(new Option(name, i));
     $('compensator').options[0].dataset.words = 'none';
-    $('onset-mark').append(new Option('', Math.round(1000 * this.engine.onset())));
+    $('onset-mark').append(new Option('', Math.round(this.engine.onset_ms)));
     $('language').value = language;
   }
 
@@ -112,7 +112,7 @@ class Page {
   sayRest() {
     $('delay-text').textContent = `${Math.round(1000 * this.choice.delay)} ms`;
     $('delay').value = Math.round(1000 * this.choice.delay);
-    $('onset').textContent = say('onset', (1000 * this.engine.onset()).toFixed(1));
+    $('onset').textContent = say('onset', this.engine.onset_ms.toFixed(1));
     $('plot').setAttribute('aria-label', say('plot'));
     document.querySelector('.grip').setAttribute('aria-label', say('grip'));
     document.querySelector('.flash').textContent = say('beep');

@@ -6,6 +6,7 @@ that say "not ok" say why; 77: a program is missing, which the last line names. 
 
 import hashlib
 import json
+import os
 import pathlib
 import shutil
 import subprocess
@@ -59,7 +60,7 @@ class Visitor:
     def choose(self, modality):
         self.driver.execute_script(f"document.getElementById('modalities').children[{modality}].click()")
 
-    def drag(self, depth_mm, hold_s):
+    def drag(self, depth_mm, hold_s, picture=None):
         """Presses, drags the needle to that depth in about a second, and holds the virtual clock's seconds long."""
         from selenium.webdriver.common.action_chains import ActionChains
 
@@ -74,6 +75,9 @@ class Visitor:
         actions.perform()
         self.wait(hold_s)
         state = self.state()
+        if picture:
+            self.driver.execute_script("scrollTo(0, 0)")
+            self.driver.save_screenshot(picture)
         ActionChains(self.driver).release().perform()
         return state
 
@@ -101,7 +105,7 @@ def native_digest(thimble, seed):
 
 def try_hands(visitor):
     # 130 mm: some 10 to 20 mm beyond any wall, which a hand overshoots when nothing stops it.
-    hand = visitor.drag(130, 4)
+    hand = visitor.drag(130, 4, "docs/pictures/browser.png" if os.environ.get("THIMBLE_WRITE_PICTURES") else None)
     expect(hand["contacts_lost"] >= 3 and hand["frequency_Hz"] >= 1, f"force in the hand shakes ({hand['contacts_lost']:.0f} contacts lost)")
     expect(hand["energy_in_J"] < 0, "its loop gives out energy")
     visitor.choose(1)
