@@ -108,11 +108,12 @@ def own_words(reports):
     sent = {node: report["udp"]["sent"] for node, report in reports.items()}
     sent["netem"] -= sum(delivered)
     sent["master"] -= pushed[0]
-    sent["slave-sim"] -= sum(pushed[1:]) + pushed[1]  # a record for the session with each
+    sent["slave-sim"] -= sum(pushed[1:]) + 2 * pushed[1]  # with each force a record for the session and a picture for the screen
     read = {node: report["udp"]["received"] for node, report in reports.items()}
     read["netem"] -= sum(pushed)  # the relay hands on what it does not read
     for (_, receiver), packets in zip(LINKS, delivered):
         read[receiver] -= packets
+    read["visual"] -= pushed[1]  # a picture does not pass the network
     return sent, read
 
 
