@@ -57,16 +57,21 @@ TEST_F(FalconProgram, HearsEveryShortPressOfAButtonBetweenTrials) {
     const auto press = [&](std::uint8_t buttons) {
         falcon_->with([buttons](FalconEmulator& device) { device.report.buttons = buttons; });
     };
+    const auto exchanges = [&] {
+        return falcon_->with([](FalconEmulator& device) { return device.commands; });
+    };
     for (int i = 0; i < 4; ++i) {
         wall_sleep(std::chrono::milliseconds{26 * i});
         press(kFalconPlus);
-        wall_sleep(std::chrono::milliseconds{20});
+        const auto before = exchanges();
+        EXPECT_TRUE(wait_until([&] { return exchanges() >= before + 20; }));  // 20 ms of the emulated USB
         press(0);
-        wall_sleep(std::chrono::milliseconds{
-            350});  // heard within a heartbeat, and held as long as a release asks for
-        const Outcome released =
-            run_thimble({"stop", "--release", "--parallel-conditions", "1", "--base-port", port});
-        EXPECT_THAT(released.words, HasSubstr("the stop button at the handle")) << "press " << i;
+        Outcome released;
+        EXPECT_TRUE(wait_until([&] {
+            released = run_thimble({"stop", "--release", "--parallel-conditions", "1", "--base-port", port});
+            return released.words.find("the stop button at the handle") != std::string::npos;
+        })) << "press "
+            << i << ": " << released.words;
     }
     EXPECT_EQ(node.terminate(), 0) << node.words();
 }

@@ -50,7 +50,8 @@ TEST_F(HidPrograms, AHandThatIsPulledOutLetsGoAndComesBack) {
         return log_of(run, "thimble-master").find("hidraw2 is in use") != std::string::npos;
     })) << log_of(run, "thimble-master");
     mock->say(2, pushed);
-    wall_sleep(milliseconds{100});
+    const std::size_t written = run.first_trajectory().size();
+    EXPECT_TRUE(wait_until([&] { return run.first_trajectory().size() > written; }));
     run.launcher().signal(SIGINT);
     EXPECT_EQ(run.end(), 1) << run.words();
     const auto rows = run.rows();

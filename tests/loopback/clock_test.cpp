@@ -3,7 +3,6 @@
 #include <cstdlib>
 #include <map>
 #include <random>
-#include <set>
 #include <sys/resource.h>
 
 #include <fmt/format.h>
@@ -40,8 +39,8 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
     return texts;
 }
 
-// For a trial in lock-step, which the thread sanitizer makes ten times as long.
-constexpr Duration kTrialPatience = std::chrono::minutes{2};
+// For a run in lock-step, which the thread sanitizer makes ten times as long.
+constexpr Duration kRunPatience = 2 * kPatience;
 
 class RunByClock : public testing::Test {
   protected:
@@ -84,15 +83,22 @@ class RunByClock : public testing::Test {
         return {built_programs() / "thimble", arguments(text, "lock-step", more), folder_ / "words"};
     }
     std::vector<pid_t> nodes(const std::string& program) const { return node_pids(ports_.base(), program); }
-    // Waits until a trial is being written.
-    bool reaches(const std::string& trial) const {
-        std::error_code absent;
-        return wait_until([&] { return fs::file_size(out_ / "trajectories" / trial, absent) + 1 > 1; },
-                          kTrialPatience);
+    std::string words() const { return read_text(folder_ / "words"); }
+    // A run that stands still in its second trial until the test types "c".
+    Child start_into_second_trial(const std::vector<std::string>& more = {}) {
+        std::vector<std::string> all = arguments(kOneByOne, "lock-step", more);
+        all.emplace_back("--step");
+        Child child(built_programs() / "thimble", all, folder_ / "words", {typing_.input()});
+        typing_.type("1000\n0.5\n");  // the first trial to its end, and half a second of the next one
+        EXPECT_TRUE(wait_until([&] { return words().find("trial 2, 0 ms CF, at 0.5") != std::string::npos; },
+                               kRunPatience))
+            << words();
+        return child;
     }
 
     const Folder folder_;
     const PortBlock ports_;
+    const Typing typing_;
     fs::path out_;
 };
 
@@ -178,19 +184,18 @@ TEST_F(RunByClock, LockStepMindsNoView) {
     UdpChannel plot(Endpoint{"127.0.0.1", others.base()}, {"127.0.0.1", 0});
     PlayedView view(ports_.base(), PlayedView::Ports::kExperimenter, {});
     Child child = start(kOneByOne, {"--monitor", "--plotjuggler", std::to_string(others.base())});
-    std::set<std::uint32_t> trials;
     bool plotted = false;
     const bool ended = wait_until(
         [&] {
             view.listen(wall_now());
-            if (view.running()) trials.insert(view.trial());
             plotted = plotted || !plot.receive().empty();
             return child.poll().has_value();
         },
-        kTrialPatience);
+        kRunPatience);
     ASSERT_TRUE(ended);
-    EXPECT_EQ(child.poll(), 0) << read_text(folder_ / "words");
-    EXPECT_THAT(trials, testing::ElementsAre(1U, 2U));
+    view.listen(wall_now());
+    EXPECT_EQ(child.poll(), 0) << words();
+    EXPECT_THAT(view.trials(), testing::ElementsAre(1U, 2U));
     EXPECT_FALSE(view.running()) << "it has not heard how the last trial ended";
     EXPECT_TRUE(plotted);
     expect_same_bytes();
@@ -198,7 +203,7 @@ TEST_F(RunByClock, LockStepMindsNoView) {
 
 TEST_F(RunByClock, LockStepEndsWhereItsExperimenterSaysQuit) {
     PlayedView view(ports_.base(), PlayedView::Ports::kExperimenter, {});
-    Child child = start(kOneByOne, {"--monitor"});
+    Child child = start(SessionFile::endless(kEndlessInLockStep_s).text(), {"--monitor"});
     Order quit;
     quit.kind = OrderKind::kQuit;
     const bool ended = wait_until([&] {
@@ -207,7 +212,7 @@ TEST_F(RunByClock, LockStepEndsWhereItsExperimenterSaysQuit) {
         return child.poll().has_value();
     });
     ASSERT_TRUE(ended);
-    EXPECT_EQ(child.poll(), 1) << read_text(folder_ / "words");
+    EXPECT_EQ(child.poll(), 1) << words();
     EXPECT_EQ(read_trial_table(out_ / "trials.csv").back().reason, EndReason::kInterrupted);
 }
 
@@ -227,15 +232,16 @@ class DrawnByClock : public RunByClock, public testing::WithParamInterface<std::
         code_ = outcome.code;
         ASSERT_NE(code_, 2) << outcome.words << text_;  // its guard may stop it, and its network lose a node
     }
-    // Holds one program up, and changes its priority.
+    // Holds one program up, and changes its priority. Beside compilers a program of the last priority would get nothing.
     void disturb(std::minstd_rand& random, pid_t pid) {
-        setpriority(PRIO_PROCESS, static_cast<id_t>(pid), static_cast<int>(random() % 20));
+        setpriority(PRIO_PROCESS, static_cast<id_t>(pid), static_cast<int>(random() % kPriorities));
         kill(pid, SIGSTOP);
         wall_sleep(std::chrono::milliseconds{random() % 10});
         kill(pid, SIGCONT);
         ++disturbed_;
     }
 
+    static constexpr unsigned kPriorities = 6;
     std::string text_;
     int code_ = 0, disturbed_ = 0;
 };
@@ -263,17 +269,17 @@ TEST_P(DrawnByClock, LockStepMindsNoProgramThatIsHeldUp) {
         for (const pid_t pid : pids) disturb(random, pid);
         wall_sleep(std::chrono::milliseconds{random() % 30});
     }
-    EXPECT_EQ(child.poll(), code_) << read_text(folder_ / "words");
+    EXPECT_EQ(child.poll(), code_) << words();
     EXPECT_GT(disturbed_, 5);
     expect_same_bytes();
 }
 
 TEST_F(RunByClock, LockStepKeepsTheTrialsBeforeANodeThatDies) {
-    Child child = start(kOneByOne);
-    ASSERT_TRUE(reaches("trial02_CF_0ms.csv"));
+    Child child = start_into_second_trial();
     for (const pid_t pid : nodes("thimble-slave-sim")) kill(pid, SIGKILL);
+    typing_.type("c\n");
     EXPECT_EQ(child.wait(kPatience), 3);
-    EXPECT_THAT(read_text(folder_ / "words"), HasSubstr("thimble-slave-sim ended with code 137"));
+    EXPECT_THAT(words(), HasSubstr("thimble-slave-sim ended with code 137"));
     const auto rows = read_trial_table(out_ / "trials.csv");
     ASSERT_EQ(rows.size(), 2U);
     EXPECT_EQ(rows[0].reason, EndReason::kCompleted);
@@ -283,21 +289,20 @@ TEST_F(RunByClock, LockStepKeepsTheTrialsBeforeANodeThatDies) {
 }
 
 TEST_F(RunByClock, LockStepNamesANodeThatNeverAnswers) {
-    Child child = start(kOneByOne, {"--answer-limit", "0.5"});
-    ASSERT_TRUE(reaches("trial02_CF_0ms.csv"));
+    Child child = start_into_second_trial({"--answer-limit", "3"});
     for (const pid_t pid : nodes("thimble-visual")) kill(pid, SIGSTOP);
+    typing_.type("c\n");
     EXPECT_EQ(child.wait(kPatience), 3);
-    EXPECT_THAT(read_text(folder_ / "words"), HasSubstr("thimble-visual has not answered within 0.5 s"));
+    EXPECT_THAT(words(), HasSubstr("thimble-visual has not answered within 3 s"));
     EXPECT_EQ(read_trial_table(out_ / "trials.csv").size(), 2U);
     EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
 }
 
 TEST_F(RunByClock, LockStepKeepsWhatWasRecordedUntilCtrlC) {
-    Child child = start(kOneByOne);
-    ASSERT_TRUE(reaches("trial02_CF_0ms.csv"));
+    Child child = start_into_second_trial();
     child.signal(SIGINT);
     EXPECT_EQ(child.wait(kPatience), 1);
-    EXPECT_THAT(read_text(folder_ / "words"), HasSubstr("interrupted; what was recorded is kept"));
+    EXPECT_THAT(words(), HasSubstr("interrupted; what was recorded is kept"));
     EXPECT_GE(read_trial_table(out_ / "trials.csv").size(), 2U);
 }
 

@@ -114,7 +114,7 @@ TEST(DriveCheck, InterruptedItLeavesNoDriveWithVoltage) {
     ASSERT_TRUE(wait_until([&] { return each(enabled); })) << check.last_lines();
     check.signal(SIGINT);
     ASSERT_TRUE(
-        wait_until([&] { return !each(enabled) && check.poll().has_value(); }, std::chrono::seconds{5}));
+        wait_until([&] { return !each(enabled) && check.poll().has_value(); }, std::chrono::seconds{9}));
     EXPECT_EQ(check.poll(), 1);
     EXPECT_TRUE(
         each([](const DriveEmulator& drive) { return drive.state() == DriveState::kSwitchOnDisabled; }));

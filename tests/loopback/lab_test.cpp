@@ -1,5 +1,5 @@
-// `thimble run` in a laboratory of four network namespaces on one bridge (lab.sh), one of them the network: what it finds is
-// what virtual time finds, and a cut wire ends a trial and not the session.
+// `thimble run` in a laboratory of four network namespaces on one bridge (lab.sh), one of them the network: in lock-step it
+// writes the bytes of virtual time, and a cut wire ends a trial and not the session.
 #include <filesystem>
 #include <unistd.h>
 
@@ -61,28 +61,6 @@ class Lab : public testing::Test {
     Folder folder_;
     PortBlock ports_;
 };
-
-TEST_F(Lab, FourMachinesFindWhatOneFinds) {
-    SessionFile session;
-    session.modalities = R"(["HF", "CF"])";
-    session.delays_s = "[0.05]";
-    session.contact_hold_s = 0.6;  // half of it is watched for oscillation
-    const auto key = folder_ / "lab.key";
-    create_lab_key(key, system_random_bytes());
-    session.more = kMachines + under_lab_key(key);
-    Child launcher("unshare", launch(session.text()), folder_ / "words");
-    ASSERT_EQ(launcher.wait(3 * kPatience), 0) << said();
-    const auto rows = read_trial_table(folder_ / "out/trials.csv");
-    ASSERT_EQ(rows.size(), 2U);
-    expect_like_virtual_time(rows, folder_ / "out");
-    for (const TrialRow& row : rows) {
-        EXPECT_EQ(row.reason, EndReason::kCompleted);
-        EXPECT_EQ(row.metrics.oscillates, row.conditions.modality == Modality::kHF);
-        EXPECT_GE(row.delay_achieved_s, 0.05);
-    }
-    EXPECT_THAT(read_text(folder_ / "out/nodes/thimble-slave-sim_50ms.json"), HasSubstr("\"robot\""));
-    EXPECT_THAT(nodes_alive(ports_.base()), IsEmpty());
-}
 
 TEST_F(Lab, FourMachinesInLockStepWriteTheBytesOfOneProgram) {
     SessionFile session;

@@ -41,8 +41,8 @@ class OtherMachines : public testing::Test {
     RealRun start(const SessionFile& session, const std::vector<std::string>& more = {}) const {
         return RealRun(session, arguments(programs_, more));
     }
-    static SessionFile endless() {
-        SessionFile session = SessionFile::endless();
+    static SessionFile endless(double contact_hold_s = kEndlessHold_s) {
+        SessionFile session = SessionFile::endless(contact_hold_s);
         session.more = launch_table();
         return session;
     }
@@ -101,7 +101,7 @@ TEST_F(OtherMachines, LockStepGivesTheBytesOfVirtualTime) {
 }
 
 TEST_F(OtherMachines, LockStepNamesAMachineWhoseNodeDies) {
-    RealRun run = start(endless(), kLockStep);
+    RealRun run = start(endless(kEndlessInLockStep_s), kLockStep);
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     kill(run.node("thimble-slave-sim"), SIGKILL);
     EXPECT_EQ(run.end(), 3) << run.words();

@@ -1,6 +1,7 @@
 // An experimenter's view, or a player's panel, as a session sees it: hears the Monitor (and ReplayState), sends orders.
 #pragma once
 
+#include <set>
 #include <variant>
 
 #include "common/flow.hpp"
@@ -27,6 +28,7 @@ class PlayedView {
             if (monitor == nullptr) continue;
             monitor_ = *monitor;
             trial_ = message->header.trial;
+            if (running()) trials_.insert(trial_);
         }
     }
     // For the trial that the Monitor showed last, as a view does it.
@@ -35,6 +37,7 @@ class PlayedView {
     const Monitor& monitor() const { return monitor_; }
     const ReplayState& replay() const { return replay_; }  // of length 0 before the first
     std::uint32_t trial() const { return trial_; }
+    const std::set<std::uint32_t>& trials() const { return trials_; }  // that it has seen run
     std::uint64_t heard() const { return heard_.counters().accepted; }
     bool running() const { return monitor_.state == NodeState::kRunning; }
 
@@ -46,6 +49,7 @@ class PlayedView {
     Monitor monitor_;
     ReplayState replay_;
     std::uint32_t trial_ = 0;
+    std::set<std::uint32_t> trials_;
 };
 
 }  // namespace thimble

@@ -74,7 +74,7 @@ void replace_program(const fs::path& file, const std::string& shell_script) {
 }
 
 // A program that computes gets of the processor what others leave. So only one that hangs is given up, a little before ctest does.
-constexpr auto kWholeStudy = 12 * kPatience;
+constexpr auto kWholeStudy = 4 * kPatience;
 
 Outcome run_to_end(const fs::path& program, const std::vector<std::string>& arguments) {
     const Folder folder;

@@ -71,6 +71,22 @@ TEST(RunInLockStep, AllModalitiesWithAndWithoutDelay) {
     EXPECT_GT(row_of(rows, Modality::kHF, kDelay_s).metrics.penetration_max_m, deepest_prompt_m);
 }
 
+// The same trials, once over UDP and once in virtual time.
+void expect_like_virtual_time(const std::vector<TrialRow>& rows, const std::filesystem::path& out) {
+    const auto virtual_rows = read_trial_table(out / "virtual.csv");
+    ASSERT_EQ(rows.size(), virtual_rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const TrialRow &real = rows[i], &other = virtual_rows[i];
+        SCOPED_TRACE(to_string(real.conditions.modality));
+        EXPECT_EQ(real.conditions.modality, other.conditions.modality);
+        EXPECT_EQ(real.reason, other.reason);
+        EXPECT_EQ(real.metrics.oscillates, other.metrics.oscillates);
+        const double factor = real.metrics.penetration_max_m / other.metrics.penetration_max_m;
+        EXPECT_GT(factor, 1 / 3.0);
+        EXPECT_LT(factor, 3.0);
+    }
+}
+
 TEST(WholeRun, AgreesWithVirtualTimeWithoutDelay) {
     SessionFile session;
     session.modalities = R"(["HF", "VF"])";

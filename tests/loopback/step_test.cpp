@@ -1,7 +1,4 @@
 // thimble run --clock lock-step --step: real programs, stepped by lines from a pipe or a file.
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,12 +18,6 @@ constexpr const char* kShort =
 
 class StepThrough : public testing::Test {
   protected:
-    StepThrough() {
-        if (pipe2(pipe_.data(), O_CLOEXEC) != 0) ADD_FAILURE() << "no pipe";
-    }
-    ~StepThrough() override {
-        for (const int end : pipe_) close(end);
-    }
     std::vector<std::string> arguments(const std::string& text, const std::string& out) const {
         return words_in(fmt::format("run {} --clock lock-step --out {} --base-port {}",
                                     folder_.write("session.toml", text).string(), (folder_ / out).string(),
@@ -34,10 +25,7 @@ class StepThrough : public testing::Test {
                         {"--step"});
     }
     Child start(const std::string& text) const {
-        return {built_programs() / "thimble", arguments(text, "out"), folder_ / "words", {pipe_[0]}};
-    }
-    void type(const std::string& line) const {
-        EXPECT_EQ(write(pipe_[1], line.data(), line.size()), static_cast<ssize_t>(line.size()));
+        return {built_programs() / "thimble", arguments(text, "out"), folder_ / "words", {typing_.input()}};
     }
     std::string words() const { return read_text(folder_ / "words"); }
     bool says(const std::string& text) const {
@@ -51,7 +39,7 @@ class StepThrough : public testing::Test {
 
     const Folder folder_;
     const PortBlock ports_;
-    std::array<int, 2> pipe_{-1, -1};
+    const Typing typing_;
 };
 
 TEST_F(StepThrough, ChangesNoByteAndNamesEachProgramsPid) {
@@ -62,8 +50,8 @@ TEST_F(StepThrough, ChangesNoByteAndNamesEachProgramsPid) {
         ASSERT_EQ(pids.size(), 1U) << program;
         EXPECT_THAT(words(), HasSubstr(fmt::format("pid {} ", pids.front()))) << program;
     }
-    type("\n\n1.5\nc\n");
-    EXPECT_EQ(child.wait(std::chrono::minutes{2}), 0) << words();
+    typing_.type("\n\n1.5\nc\n");
+    EXPECT_EQ(child.wait(2 * kPatience), 0) << words();
     EXPECT_THAT(words(), HasSubstr(", is next"));
     EXPECT_THAT(words(), HasSubstr("at 1.5"));
     std::vector<std::string> plain = arguments(kShort, "plain");
@@ -76,7 +64,7 @@ TEST_F(StepThrough, ChangesNoByteAndNamesEachProgramsPid) {
 
 TEST_F(StepThrough, EndsWithQAsWithCtrlC) {
     Child child = start(kShort);
-    type("0.5\nq\n");
+    typing_.type("0.5\nq\n");
     EXPECT_EQ(child.wait(kPatience), 1);
     EXPECT_THAT(words(), HasSubstr("interrupted; what was recorded is kept"));
     EXPECT_EQ(only_row().reason, EndReason::kInterrupted);
@@ -95,14 +83,16 @@ TEST_F(StepThrough, IsOfLockStepAlone) {
 // The stop waits at the door while the run pauses.
 TEST_F(StepThrough, HearsAStopFromAnotherProgram) {
     // The second delay does not begin: only_row().
-    Child child =
-        start("[session]\nmodalities = ['HF']\ndelays_s = [0.0, 0.01]\n[trial]\ncontact_hold_s = 40\n");
-    type("0.5\n");
+    Child child = start(
+        fmt::format("[session]\nmodalities = ['HF']\ndelays_s = [0.0, 0.01]\n[trial]\ncontact_hold_s = {}\n"
+                    "timeout_s = {}\n",
+                    kEndlessInLockStep_s, 2 * kEndlessInLockStep_s));
+    typing_.type("0.5\n");
     ASSERT_TRUE(says("at 0.5"));
     Child stop(built_programs() / "thimble",
                words_in(fmt::format("stop --base-port {}", ports_.base()), {"--reason", "cable loose"}),
                folder_ / "stop");
-    type("c\n");
+    typing_.type("c\n");
     EXPECT_EQ(child.wait(kPatience), 1) << words();
     EXPECT_THAT(words(), HasSubstr("cable loose"));
     EXPECT_EQ(only_row().reason, EndReason::kEmergencyStop);

@@ -1,6 +1,7 @@
 #include "tests/loopback/workbench.hpp"
 
 #include <cstdlib>
+#include <fcntl.h>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -103,18 +104,31 @@ std::string under_lab_key(const std::filesystem::path& key) {
     return "[security]\nmode = 'lab-key'\nkey_file = '" + key.string() + "'\n";
 }
 
-SessionFile SessionFile::endless() {
+Typing::Typing() {
+    if (pipe2(ends_.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+}
+
+Typing::~Typing() {
+    for (const int end : ends_) close(end);
+}
+
+void Typing::type(const std::string& lines) const {
+    if (write(ends_[1], lines.data(), lines.size()) != static_cast<ssize_t>(lines.size()))
+        throw std::runtime_error("nobody reads: " + lines);
+}
+
+SessionFile SessionFile::endless(double contact_hold_s) {
     SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
+    session.contact_hold_s = contact_hold_s;
     return session;
 }
 
 std::string SessionFile::text() const {
     return fmt::format(
         "[session]\nmodalities = {}\n{}fixture_jitter_m = 0\nparallel_conditions = {}\n"
-        "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = {}\ntimeout_s = 60\n{}\n",
+        "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = {}\ntimeout_s = {}\n{}\n",
         modalities, delays_s.empty() ? "" : fmt::format("delays_s = {}\n", delays_s), parallel_conditions,
-        contact_hold_s, more);
+        contact_hold_s, 60 + contact_hold_s, more);
 }
 
 }  // namespace thimble

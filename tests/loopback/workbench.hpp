@@ -2,6 +2,7 @@
 // machines that may stall for a second: they wait for what must happen and never measure how fast it did.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -15,7 +16,8 @@
 
 namespace thimble {
 
-inline constexpr Duration kPatience = std::chrono::seconds{20};
+// The one limit of every wait. Nobody waits so long but a test that fails.
+inline constexpr Duration kPatience = std::chrono::seconds{60};
 
 // Polls; false if `limit` passed first.
 bool wait_until(const std::function<bool()>& condition, Duration limit = kPatience);
@@ -58,18 +60,33 @@ NetworkSettings network_at(std::uint16_t base_port, const SecuritySettings& secu
 // The table of a session file or of a node's settings.
 std::string under_lab_key(const std::filesystem::path& key);
 
-// A contact so long that the trial cannot end by itself while the test looks at it.
-inline constexpr double kEndlessHold_s = 40;
+// The lines that a person types at a program: a pipe to its standard input.
+class Typing {
+  public:
+    Typing();
+    ~Typing();
+    Typing(const Typing&) = delete;
+    Typing& operator=(const Typing&) = delete;
+
+    int input() const { return ends_[0]; }  // for the program
+    void type(const std::string& lines) const;
+
+  private:
+    std::array<int, 2> ends_{-1, -1};
+};
+
+// A contact so long that the trial cannot end by itself while the test looks at it: by the wall clock, and in lock-step.
+inline constexpr double kEndlessHold_s = 40, kEndlessInLockStep_s = 300;
 
 // A session that is over quickly: the fixture close to the tissue, a short contact until the beep.
 struct SessionFile {
     std::string modalities = R"(["HF"])";
     std::string delays_s = "[0.0]";  // empty: the file does not say
-    double contact_hold_s = 0.5;
+    double contact_hold_s = 0.5;     // the trial may take a minute more
     int parallel_conditions = 1;
     std::string more;  // further tables
 
-    static SessionFile endless();
+    static SessionFile endless(double contact_hold_s = kEndlessHold_s);
     std::string text() const;
 };
 

@@ -18,7 +18,7 @@ class Newcomer : public OnAScreen {
         if (IsSkipped()) return;
         play_.emplace(THIMBLE_BIN_DIR "/thimble",
                       std::vector<std::string>{"play", "--modality", "CF", "--delay-s", "0", "--base-port",
-                                               std::to_string(ports_.base()), "--seconds", "60"},
+                                               std::to_string(ports_.base()), "--seconds", "300"},
                       folder_ / "words");
     }
 
@@ -73,7 +73,7 @@ TEST_F(Newcomer, PushesTheNeedleInStopsAndGoesOnByTheScreenAlone) {
         view_.listen(wall_now());
         return running(view_.monitor());
     })) << read_text(folder_ / "words");
-    ASSERT_TRUE(screen_->press("F10"));
+    EXPECT_TRUE(screen_->press_until("F10", [&] { return play_->poll().has_value(); }));
     EXPECT_EQ(play_->wait(kPatience), 0) << read_text(folder_ / "words");
 }
 

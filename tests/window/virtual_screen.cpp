@@ -69,12 +69,20 @@ bool VirtualScreen::hand(const std::vector<std::string>& words) const {
 }
 
 bool VirtualScreen::wait_for_window(const std::string& title) {
-    // xdotool prints the window's number, and nothing else.
-    Child tool("xdotool", {"search", "--sync", "--onlyvisible", "--name", title}, folder_ / "found");
-    if (tool.wait(kPatience) != 0) return false;
+    return wait_until([&] {
+        window_ = first_line({"search", "--onlyvisible", "--name", title});
+        return !window_.empty() && first_line({"windowfocus", window_, "getwindowfocus"}) == window_;
+    });
+}
+
+std::string VirtualScreen::first_line(const std::vector<std::string>& words) const {
+    if (Child("xdotool", words, folder_ / "found").wait(kPatience) != 0) return {};
     const std::string found = read_text(folder_ / "found");
-    window_ = found.substr(0, found.find('\n'));
-    return hand({"windowfocus", "--sync", window_});
+    return found.substr(0, found.find('\n'));
+}
+
+bool VirtualScreen::press_until(const std::string& key, const std::function<bool()>& done) const {
+    return wait_until([&] { return press(key) && done(); });
 }
 
 bool VirtualScreen::click(int x, int y) const {

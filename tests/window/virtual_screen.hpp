@@ -33,11 +33,15 @@ class VirtualScreen {
     bool hand(const std::vector<std::string>& words) const;
     bool type(const std::string& text) const { return hand({"type", "--delay", "60", text}); }
     bool press(const std::string& key) const { return hand({"key", key}); }
+    // Again and again: a window that is slow to draw may miss one.
+    bool press_until(const std::string& key, const std::function<bool()>& done) const;
     // A click of the left button in the window, pixels from its top left corner; held for some frames.
     bool click(int x, int y) const;
     bool resize(int width, int height) const;
 
   private:
+    std::string first_line(const std::vector<std::string>& words) const;  // of xdotool; empty if that fails
+
     Folder folder_;
     std::optional<Child> server_;
     std::string number_, missing_, window_;

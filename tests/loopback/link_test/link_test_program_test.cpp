@@ -116,12 +116,10 @@ TEST_F(LinkTest, DelayLossAndASilentPortThroughTheRelay) {
     Child far_side = echo({"--base-port", base(far), "--ports", "11,14"});
     const Child needle = relay(kNeedle, {"up.delay_s=0.03", "down.delay_s=0.01", "up.loss=0.2"});
     const Child force = relay(kForce, {"loss=1"});
-    wait_until(
-        [&] {
-            return read_text(folder / "relay14").find("ready") != std::string::npos &&
-                   read_text(folder / "relay11").find("ready") != std::string::npos;
-        },
-        std::chrono::milliseconds{1500});
+    ASSERT_TRUE(wait_until([&] {
+        return read_text(folder / "relay14").find("ready") != std::string::npos &&
+               read_text(folder / "relay11").find("ready") != std::string::npos;
+    }));
     const Result result = test({"--base-port", base(), "--ports", "11,14", "--seconds", "2"});
     EXPECT_EQ(result.code, 3) << result.words;
     EXPECT_EQ(result.json["ports"][0]["answer"], "silent");
@@ -140,11 +138,13 @@ TEST_F(LinkTest, DelayLossAndASilentPortThroughTheRelay) {
 }
 
 TEST_F(LinkTest, TheEchoEndsByItselfAndItsPortsAreItsOwn) {
-    Child first = echo({"--base-port", base()}, "first", "1");
+    Child first = echo({"--base-port", base()}, "first");
     Child second = echo({"--base-port", base()}, "second");
     EXPECT_EQ(second.wait(kPatience), 3);
     EXPECT_THAT(read_text(folder / "second"), HasSubstr("another program has that port"));
-    EXPECT_EQ(first.wait(kPatience), 0);
+    first.signal(SIGTERM);
+    first.wait(kPatience);
+    EXPECT_EQ(echo({"--base-port", base()}, "third", "0.2").wait(kPatience), 0);
 }
 
 TEST_F(LinkTest, WhatMakesNoSenseIsRefused) {
@@ -171,6 +171,12 @@ class LinkTestNamespace : public LinkTest {
         const auto file = folder.write("script", "PATH=$PATH:/usr/sbin:/sbin\n" + script);
         return understood(run_to_end("/bin/sh", {"-c", fmt::format("unshare -rn sh {}", file.string())}));
     }
+    // In a script: until the program in the background, whose words are in `far`, says that it listens.
+    std::string far_is_ready() const {
+        return fmt::format("while kill -0 $far && ! grep -q ready {}; do sleep 0.02; done\n",
+                           (folder / "far").string());
+    }
+    std::string far_words() const { return " >" + (folder / "far").string() + " 2>&1"; }
     std::string command(const std::string& more) {
         return fmt::format("{} link-test {} {}", (built_programs() / "thimble").string(), more,
                            session().string());
@@ -178,10 +184,10 @@ class LinkTestNamespace : public LinkTest {
 };
 
 TEST_F(LinkTestNamespace, TheMtuOfThisMachinesInterface) {
-    const Result result = inside(fmt::format(
-        "ip link set lo mtu 1280 up\n{} &\nfar=$!\nsleep 0.3\n{}\ncode=$?\nkill $far\nexit $code\n",
-        command("--listen --ports 14"),
-        command("--host 127.0.0.1 --ports 14 --seconds 0.2 --json 2>/dev/null")));
+    const Result result = inside(
+        fmt::format("ip link set lo mtu 1280 up\n{}{} &\nfar=$!\n{}{}\ncode=$?\nkill $far\nexit $code\n",
+                    command("--listen --ports 14"), far_words(), far_is_ready(),
+                    command("--host 127.0.0.1 --ports 14 --seconds 0.2 --json 2>/dev/null")));
     ASSERT_FALSE(result.json.is_discarded()) << result.words;
     EXPECT_EQ(result.json["largest_datagram_bytes"], 1280 - 28) << result.words;
     EXPECT_TRUE(result.json["largest_limited_here"]);
@@ -191,14 +197,14 @@ TEST_F(LinkTestNamespace, TheMtuOfThisMachinesInterface) {
 TEST_F(LinkTestNamespace, AnMtuThatIsSmallerOnTheWay) {
     const Result result = inside(fmt::format(
         "unshare -n sh -c 'until ip link set away mtu 1300 up 2>/dev/null; do sleep 0.02; done;"
-        " ip addr add 10.77.0.2/24 dev away; exec {}' &\nfar=$!\n"
+        " ip addr add 10.77.0.2/24 dev away; exec {}'{} &\nfar=$!\n"
         "ip link add near mtu 1500 type veth peer name away\n"
         "until ip link set away netns $far 2>/dev/null && ! ip link show away >/dev/null 2>&1; do sleep "
         "0.02; "
         "done\n"
-        "ip addr add 10.77.0.1/24 dev near\nip link set near up\nsleep 0.5\n{}\ncode=$?\nkill $far\nexit "
+        "ip addr add 10.77.0.1/24 dev near\nip link set near up\n{}{}\ncode=$?\nkill $far\nexit "
         "$code\n",
-        command("--listen --ports 14"),
+        command("--listen --ports 14"), far_words(), far_is_ready(),
         command("--host 10.77.0.2 --ports 14 --seconds 0.2 --json 2>/dev/null")));
     ASSERT_FALSE(result.json.is_discarded()) << result.words;
     EXPECT_EQ(result.json["largest_datagram_bytes"], 1300 - 28) << result.words;

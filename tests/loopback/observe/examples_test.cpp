@@ -129,7 +129,7 @@ nlohmann::json heard_of(SessionFile session) {
     Child listener(
         "/bin/sh",
         {"-c", "exec python3 '" THIMBLE_SOURCE_DIR "/tests/loopback/observe/hear_plotjuggler.py' '" +
-                   (folder / "port").string() + "' 15 " + std::to_string(session.parallel_conditions)},
+                   (folder / "port").string() + "' 50 " + std::to_string(session.parallel_conditions)},
         folder / "heard");
     if (!wait_until([&] { return std::filesystem::exists(folder / "port"); }))
         throw std::runtime_error(read_text(folder / "heard"));

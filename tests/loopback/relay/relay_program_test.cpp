@@ -182,13 +182,15 @@ TEST_F(RelayProgram, LosesAsItsSeedSays) {
     std::string logs[2];
     for (std::string& text : logs) {
         const std::string log = folder_ / "packets.csv";
-        NetemProgram netem(in_front({"--seed", "5", "--log", log, "--link", "up.loss=0.4"}));
+        const std::string control = folder_ / "control";
+        NetemProgram netem(
+            in_front({"--seed", "5", "--log", log, "--control", control, "--link", "up.loss=0.4"}));
         const Client client(netem.inlet());
         for (int i = 0; i < 200; ++i) client.say("x");
-        for (int heard = 0; heard < 60 && client.hear(milliseconds{500}); ++heard) {
-        }
-        while (client.hear(milliseconds{200})) {
-        }
+        EXPECT_TRUE(wait_until([&] {
+            const json shown = json::parse(run_netem({"show", "--control", control, "--json"}).printed);
+            return shown.at("up").at("packets").at("received") == 200;
+        }));
         netem.signal(SIGTERM);
         ASSERT_EQ(netem.wait(), 0);
         const std::string all = read_text(log);
