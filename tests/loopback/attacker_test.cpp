@@ -158,7 +158,7 @@ INSTANTIATE_TEST_SUITE_P(OnTheWire, Attack, testing::ValuesIn(kAttackTargets),
                          [](const auto& target) { return target.param.name; });
 
 TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
-    SessionFile file;
+    SessionFile file = SessionFile::unhurried();
     file.more = under_lab_key(key_);
     RealRun run(file, {"--monitor"});
     ASSERT_TRUE(run.reaches_trial()) << run.words();
@@ -189,7 +189,7 @@ TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
 
 // Order only: how fast it was, and what became of the deadlines, is a figure (docs/security.md).
 TEST_F(LabKeyTest, ARunUnderAFloodEndsAsWithout) {
-    SessionFile file;
+    SessionFile file = SessionFile::unhurried();
     file.more = under_lab_key(key_);
     RealRun run(file);
     ASSERT_TRUE(run.reaches_trial()) << run.words();
@@ -262,7 +262,7 @@ TEST_F(LabKeyTest, MachinesWithoutOneAreRefused) {
 
 // A session file that says nothing, and a local user who speaks at every port.
 TEST(UserKey, SealsARunThatAsksForNothing) {
-    RealRun run(SessionFile{});
+    RealRun run(SessionFile::unhurried());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     disturb_until_the_end(run, [](HostilePeer& peer) { peer.send_as_second_sender(1); });
     expect_end(run, 0, EndReason::kCompleted);
@@ -301,7 +301,7 @@ TEST(UserKey, ARealHandleIsRefusedOnAnOpenNetwork) {
 
 // A trial among hostile datagrams goes on; each is counted by its name.
 TEST(HostileRun, BrokenDatagramsStrangersAndSecondSendersAtEveryPort) {
-    SessionFile file;
+    SessionFile file = SessionFile::unhurried();
     file.more = kUnprotectedTable;
     RealRun run(file);
     ASSERT_TRUE(run.reaches_trial()) << run.words();

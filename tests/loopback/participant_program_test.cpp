@@ -111,7 +111,7 @@ TEST(ParticipantProgram, APersonNeedsARealHandleAndGivesConsent) {
 
 // The person is stood in for by the virtual operator of a master that the test started.
 TEST(ParticipantProgram, APersonsSessionIsCutAndGoesOn) {
-    const ParticipantSessions sessions(kPerson);
+    const ParticipantSessions sessions(kPerson, 1);
     const auto nodes = sessions.nodes();
     const std::vector<std::string> person{"--attach", "--consent", "--age", "31", "--sex", "F"};
     {
@@ -169,12 +169,16 @@ TEST(ParticipantProgram, TheExperimentersCommandsByPipe) {
 }
 
 TEST(ParticipantProgram, ALostNodeIsStartedAnewAndItsTrialRepeated) {
-    const ParticipantSessions sessions("subject = 7");
+    const ParticipantSessions sessions("subject = 7", 1);
     Child run = sessions.start({});
+    std::vector<pid_t> victims, masters;
+    EXPECT_TRUE(wait_until([&] {
+        victims = node_pids(sessions.base_port(), "thimble-visual");
+        masters = node_pids(sessions.base_port(), "thimble-master");
+        return victims.size() == 1 && masters.size() == 1;
+    }));
     ASSERT_TRUE(sessions.reaches(1)) << sessions.words();
-    const auto victims = node_pids(sessions.base_port(), "thimble-visual");
     ASSERT_EQ(victims.size(), 1U);
-    const auto masters = node_pids(sessions.base_port(), "thimble-master");
     kill(victims.front(), SIGKILL);
     ASSERT_TRUE(sessions.reaches(2)) << sessions.words();
     EXPECT_NE(node_pids(sessions.base_port(), "thimble-visual"), victims);

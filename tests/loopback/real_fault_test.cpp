@@ -220,9 +220,12 @@ void take_descriptors(pid_t pid) {
 // A node opens nothing while it runs: the trial goes on to its end. It reports that it cannot write its report.
 TEST(RealFaults, NodesOutOfFileDescriptorsInARunKeepTheTrial) {
     if (kSanitizerNeedsDescriptors) GTEST_SKIP() << kWhyNot;
-    RealRun run(SessionFile{});
+    RealRun run(SessionFile::unhurried());
+    std::vector<pid_t> nodes;
+    nodes.reserve(kNodePrograms.size());
+    for (const char* program : kNodePrograms) nodes.push_back(run.node(program));
     ASSERT_TRUE(run.reaches_trial()) << run.words();
-    for (const char* program : kNodePrograms) take_descriptors(run.node(program));
+    for (const pid_t node : nodes) take_descriptors(node);
     run.end();
     EXPECT_EQ(run.only_reason(), EndReason::kCompleted) << run.words();
     EXPECT_THAT(read_text(run.out() / "nodes/thimble-slave-sim_0ms.log"), HasSubstr("ulimit -n"));
@@ -232,7 +235,7 @@ TEST(RealFaults, NodesOutOfFileDescriptorsInARunKeepTheTrial) {
 // thimble opens files between trials: the running one is kept, the run ends in words.
 TEST(RealFaults, ASessionOutOfFileDescriptorsInARunLosesNoTrial) {
     if (kSanitizerNeedsDescriptors) GTEST_SKIP() << kWhyNot;
-    SessionFile file;
+    SessionFile file = SessionFile::unhurried();
     file.modalities = R"(["HF", "CF"])";
     RealRun run(file);
     ASSERT_TRUE(run.reaches_trial()) << run.words();

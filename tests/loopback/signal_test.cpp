@@ -87,11 +87,12 @@ TEST(StrictRealtime, AFrozenNodeEndsWith4AndWithoutTheFlagItIsOnlyCounted) {
 }
 
 TEST(StrictRealtime, ARunCompletesAndEndsWith4) {
-    SessionFile session;
+    SessionFile session = SessionFile::unhurried();
     session.more = kNoMissAllowed;
     RealRun run(session, {"--strict-rt"});
+    const pid_t master = run.node("thimble-master");
     ASSERT_TRUE(run.reaches_trial()) << run.words();
-    freeze(run.node("thimble-master"), kFreeze);
+    freeze(master, kFreeze);
     expect_end(run, 4, EndReason::kCompleted, "deadlines missed");
     EXPECT_GT(run.report("thimble-master").at("samples_skipped"), 0);
 }

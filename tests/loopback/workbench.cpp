@@ -117,6 +117,8 @@ void Typing::type(const std::string& lines) const {
         throw std::runtime_error("nobody reads: " + lines);
 }
 
+SessionFile SessionFile::unhurried() { return endless(2); }
+
 SessionFile SessionFile::endless(double contact_hold_s) {
     SessionFile session;
     session.contact_hold_s = contact_hold_s;

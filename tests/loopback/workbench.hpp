@@ -86,6 +86,8 @@ struct SessionFile {
     int parallel_conditions = 1;
     std::string more;  // further tables
 
+    // Leaves time to do something in the trial, which then goes on to its end.
+    static SessionFile unhurried();
     static SessionFile endless(double contact_hold_s = kEndlessHold_s);
     std::string text() const;
 };
