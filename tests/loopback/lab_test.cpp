@@ -1,5 +1,5 @@
-// `thimble run` in a laboratory of four network namespaces on one bridge (lab.sh), one of them the network: in lock-step it
-// writes the bytes of virtual time, and a cut wire ends a trial and not the session.
+// `thimble run` in a laboratory of four network namespaces on one bridge (lab.sh). One of them is the network. In lock-step the run
+// writes the bytes of virtual time. By the wall clock a cut wire ends a trial and not the session.
 #include <filesystem>
 #include <unistd.h>
 

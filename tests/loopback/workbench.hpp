@@ -16,7 +16,7 @@
 
 namespace thimble {
 
-// The one limit of every wait. Nobody waits so long but a test that fails.
+// The one limit of every wait. Only a test that fails waits so long.
 inline constexpr Duration kPatience = std::chrono::seconds{60};
 
 // Polls; false if `limit` passed first.
