@@ -14,17 +14,13 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from one_trial import one_trial  # noqa: E402
+
 MOST_S = 60
 KINDS = ("alloc", "open", "read", "write", "fsync", "socket", "send", "receive", "rename")
 CODES = (0, 1, 2, 3, 4, 5)
-SESSION = """[session]
-modalities = ['HF']
-delays_s = [0.0]
-[trial]
-contact_hold_s = 0.05
-[fixture]
-position_m = 0.022
-"""
+SESSION = one_trial(0.05, "[fixture]\nposition_m = 0.022\n")
 RUN = ("run", "{session}", "--clock", "lock-step", "--out", "{out}", "--base-port", "{port}")
 # By name: which program fails, the arguments of thimble, and the file that must be the same (None: what it prints).
 SCENARIOS = {

@@ -10,6 +10,7 @@ by a thread that on a crowded machine waits for a processor as well. PROGRAMS: b
 
 import json
 import os
+import pathlib
 import random
 import signal
 import subprocess
@@ -17,23 +18,16 @@ import sys
 import tempfile
 import time
 
-SESSION = """[session]
-modalities = ["HF"]
-delays_s = [0.0]
-[trial]
-contact_hold_s = 40
-[network]
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from one_trial import children, one_trial  # noqa: E402
+
+TABLES = """[network]
 base_port = {port}
 [log]
 messages = "all"
 """
 PROMISED_MS = 100
 VICTIMS = ("thimble-slave-sim", "thimble-master", "session")  # as their logs are named; the session's program is thimble
-
-
-def children(parent):
-    listed = subprocess.run(["ps", "-o", "pid=,args=", "--ppid", str(parent)], capture_output=True, text=True).stdout
-    return {int(line.split()[0]): line for line in listed.splitlines()}
 
 
 def wait_until_gone(pids):
@@ -48,7 +42,7 @@ def wait_until_gone(pids):
 def kill_once(programs, port, victim, folder):
     session = os.path.join(folder, "session.toml")
     with open(session, "w") as file:
-        file.write(SESSION.format(port=port))
+        file.write(one_trial(40, TABLES.format(port=port)))
     out = os.path.join(folder, "out")
     run = subprocess.Popen([programs + "/thimble", "run", session, "--out", out], stdout=subprocess.DEVNULL,
                            stderr=subprocess.DEVNULL, env={**os.environ, "XDG_STATE_HOME": folder})

@@ -16,6 +16,9 @@ import sys
 import tempfile
 import time
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from one_trial import children, name_of  # noqa: E402
+
 SESSION = """[session]
 modalities = ["CF", "CCF", "VF"]
 [network]
@@ -50,9 +53,8 @@ def resident_kib(pid):
 
 def family(parent):
     """The run and its nodes: {pid: name}."""
-    listed = subprocess.run(["ps", "-o", "pid=,comm=", "--ppid", str(parent)], capture_output=True, text=True).stdout
-    nodes = {int(line.split()[0]): line.split()[1] for line in listed.splitlines() if "thimble" in line}
-    return nodes | {parent: "thimble"}
+    nodes = {pid: name_of(words) for pid, words in children(parent).items()}
+    return {pid: name for pid, name in nodes.items() if "thimble" in name} | {parent: "thimble"}
 
 
 def dropped_at_sockets(first_port):

@@ -1,0 +1,28 @@
+"""For proofs in Python that run the programs: a session of one trial, and the programs that a run of it has started."""
+
+import os
+import subprocess
+
+SESSION = """[session]
+modalities = ["HF"]
+delays_s = [0.0]
+[trial]
+contact_hold_s = {hold_s}
+"""
+
+
+def one_trial(hold_s, more=""):
+    """A session file. HF without delay; `more`: further tables."""
+    return SESSION.format(hold_s=hold_s) + more
+
+
+def children(parent):
+    """The programs that a process has started: {pid: its command line}."""
+    listed = subprocess.run(["ps", "-o", "pid=,args=", "--ppid", str(parent)], capture_output=True, text=True,
+                            check=False).stdout
+    return {int(line.split()[0]): line.split(maxsplit=1)[1] for line in listed.splitlines()}
+
+
+def name_of(command_line):
+    """Of a program, without its folder."""
+    return os.path.basename(command_line.split()[0])
