@@ -32,6 +32,11 @@ class Channel : boost::noncopyable {
     // Answers the sender of the last received datagram, if the channel knows it. Else it does nothing.
     virtual void answer(Bytes) {}
 
+    // Of a channel whose peer may move (UdpChannel): to the sender of the last received datagram, once, or from now on. Any other has
+    // one peer.
+    virtual void send_back(Bytes datagram) { send(datagram); }
+    virtual void follow() {}
+
     // The next waiting datagram, or an empty span. Valid until the next call on this channel.
     Bytes receive() { return known_empty() ? Bytes{} : take(); }
     // True if receive() is sure to find nothing; a call, too, that ends what receive() gave. Cheap: every flow

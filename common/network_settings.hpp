@@ -78,6 +78,8 @@ inline constexpr std::array kStopPorts{Port::kSessionStop,   Port::kMasterStop, 
                                        Port::kCutaneousStop, Port::kVisualStop, Port::kNetemStop};
 // The program that listens at the port.
 Role owner(Port port);
+// The end of a program that only looks: its address may change while the session runs (docs/security.md).
+constexpr bool may_move(Port port) { return port == Port::kExperimenterMonitor; }
 // Where a program of the session hears of stops. A view has no such port.
 Port stop_port(Role role);
 

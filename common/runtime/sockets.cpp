@@ -33,7 +33,12 @@ void Sockets::announce(std::span<const std::uint16_t> datagrams) {
 }
 
 Channel* Sockets::between(Port local, Port remote) {
-    UdpChannel* channel = open(settings_.at(local), settings_.at(remote));
+    Endpoint here = settings_.at(local);
+    const bool moves = security_ && limit_ == Duration::zero();
+    // At all addresses of its machine, also those to come.
+    if (moves && may_move(local) && leaves_this_machine(here.host)) here.host = "0.0.0.0";
+    UdpChannel* channel = open(here, settings_.at(remote));
+    if (moves && may_move(remote)) channel->let_peer_move();
     count(*channel, local, remote);
     if (limit_ == Duration::zero()) channel->stamp_arrivals();
     return log_control(security_ ? security_->pair(*channel, local, remote) : channel, local, remote);

@@ -69,6 +69,10 @@ void UdpChannel::answer(Bytes datagram) {
     if (source_.sin_port != 0) send_to(source_, datagram);
 }
 
+void UdpChannel::follow() {
+    if (peer_moves_) remote_ = source_;
+}
+
 void UdpChannel::send_to(const sockaddr_in& address, Bytes datagram) {
     const auto sent = sendto(out_, datagram.data(), datagram.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
                              raw(address), sizeof address);
@@ -164,8 +168,8 @@ bool UdpChannel::of_session() const {
 // Counts it. An empty datagram carries nothing.
 bool UdpChannel::from_peer(std::size_t size) {
     const in_addr_t host = source_.sin_addr.s_addr;
-    const bool known_host =
-        host == remote_.sin_addr.s_addr || std::find(others_.begin(), others_.end(), host) != others_.end();
+    const bool known_host = peer_moves_ || host == remote_.sin_addr.s_addr ||
+                            std::find(others_.begin(), others_.end(), host) != others_.end();
     if (!known_host || !(hears_outside_ || of_session())) {
         ++counters_.foreign_source;
     } else if (size > kMaxDatagramBytes) {

@@ -50,6 +50,11 @@ class UdpChannel final : public Channel, public Listener {
     void send(Bytes datagram) override;
     void answer(Bytes datagram) override;
 
+    // The peer's address may change: every host is heard. Only for datagrams that are sealed.
+    void let_peer_move() { peer_moves_ = true; }
+    void send_back(Bytes datagram) override { send_to(peer_moves_ ? source_ : remote_, datagram); }
+    void follow() override;
+
     // From now on the kernel stamps what arrives, and arrival() is known. Costs three clock readings per datagram.
     void stamp_arrivals();
     std::optional<SessionTime> arrival() const override { return arrival_; }
@@ -97,6 +102,7 @@ class UdpChannel final : public Channel, public Listener {
     sockaddr_in remote_{};
     sockaddr_in source_{};           // of what was taken last
     std::vector<in_addr_t> others_;  // hosts
+    bool peer_moves_ = false;
     UdpCounters counters_;
     bool stamping_ = false;
     bool watched_ = false;

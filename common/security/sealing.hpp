@@ -36,6 +36,7 @@ class ReplayWindow {
         }
         words_[word(counter)] |= std::uint64_t{1} << (counter % kWordBits);
     }
+    std::uint64_t newest() const { return newest_; }
 
   private:
     static constexpr std::uint64_t kWordBits = 64, kWords = 32;
@@ -110,6 +111,8 @@ class Opener {
     void arm(const SecretKey& key);
     void disarm() { *this = Opener{}; }
     bool knows(const SealHeader& header) const { return armed_ && header.key_name == name_; }
+    // Of a header that it has opened: none that was sent later has come.
+    bool is_newest(const SealHeader& header) const { return header.counter == window_.newest(); }
     // Of a header that it knows: the text, in `out`; none: counted in `counters`.
     std::optional<std::size_t> open(const SealHeader& header, Bytes datagram,
                                     std::span<std::uint8_t, kMaxDatagramBytes> out,

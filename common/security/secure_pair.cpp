@@ -101,6 +101,7 @@ Bytes SecurePair::open_sealed(const SealHeader& header, Bytes datagram) {
     const auto size = opener->open(header, datagram, text_, counters_);
     if (!size) return {};
     heard_ = now_;
+    if (opener == &in_.now && opener->is_newest(header)) wire_->follow();
     if (proves) {  // the first word under the new keys: the other side has them
         in_.before = in_.now;
         in_.now = pending_.opener;
@@ -135,7 +136,8 @@ void SecurePair::answer_foreign(PacketKind kind) {
 
 // Nothing is remembered of it: it may be a recording.
 void SecurePair::take_hello(const HandshakeMessage& hello) {
-    transmit({PacketKind::kOffer, ends_.remote, own_.open, hello.own});
+    wire_->send_back(
+        write_handshake(*lab_, {PacketKind::kOffer, ends_.remote, own_.open, hello.own}, nullptr));
 }
 
 void SecurePair::take_offer(const HandshakeMessage& offer) {
@@ -168,6 +170,7 @@ void SecurePair::take_accept(const HandshakeMessage& accept, Bytes datagram) {
         ++counters_.handshake_refused;
         return;
     }
+    wire_->follow();
     peer_key_ = accept.own;
     agreed_own_ = own_.open;
     own_ = make_one_time_key(random_);  // each is used once
