@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,6 +44,15 @@ class LabKeyTest : public testing::Test {
     Folder folder_;
     std::filesystem::path key_ = folder_ / "lab.key";
 };
+
+// For the table of docs/security.md: how many datagrams came, and what refused them.
+void say_flood(const std::string& where, double seconds_s, const nlohmann::json& counters) {
+    std::string text;
+    for (const char* name : {"no_key", "forged", "replayed", "wrong_role", "handshake_refused", "unsealed"})
+        if (counters.at(name) > 0)
+            text += fmt::format(" {} {}", name, counters.at(name).get<std::uint64_t>());
+    fmt::print("flood: {}, {:.1f} s: refused{}\n", where, seconds_s, text);
+}
 
 // A lone node in a running trial, commanded and overheard: slave_sim, whose needle moves, master and cutaneous, which press.
 class Attack : public LabKeyTest, public testing::WithParamInterface<AttackTarget> {
@@ -147,8 +157,10 @@ TEST_P(Attack, AFloodMovesNothing) {
         ASSERT_TRUE(session_.start()) << node_.words();
     }
     expect_unmoved();
-    RecordProperty("datagrams", static_cast<int>(attacker_.sent()));
+    const double seconds_s = to_seconds(wall_now() - begin);
     const auto counters = security_at_the_end();
+    say_flood(fmt::format("{} datagrams to {} alone", attacker_.sent(), target_.program), seconds_s,
+              counters);
     EXPECT_GT(counters.at("handshake_refused"), 0);
     EXPECT_GT(counters.at("wrong_role"), 0);
     EXPECT_GT(counters.at("forged"), 100) << "refused by their code, not by a name that was made up";
@@ -187,7 +199,7 @@ TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
     EXPECT_THAT(read_text(run.out() / "report.html"), HasSubstr("Protection"));
 }
 
-// Order only: how fast it was, and what became of the deadlines, is a figure (docs/security.md).
+// Order only: how fast it was, and what became of the deadlines, it prints for docs/security.md.
 TEST_F(LabKeyTest, ARunUnderAFloodEndsAsWithout) {
     SessionFile file = SessionFile::unhurried();
     file.more = under_lab_key(key_);
@@ -199,6 +211,7 @@ TEST_F(LabKeyTest, ARunUnderAFloodEndsAsWithout) {
     UdpChannel forces(std::nullopt, network.at(Port::kMasterForce)),
         control(std::nullopt, network.at(Port::kMasterControl)),
         needle(std::nullopt, network.at(Port::kNetemNeedle));
+    const SessionTime begin = wall_now();
     for (std::uint32_t burst = 1; !run.launcher().poll() && burst < 20'000; ++burst) {
         for (std::uint32_t i = 0; i < 10; ++i) {
             write_seal_header({PacketKind::kHop, Port::kMasterForce, burst, i + 1}, header);
@@ -210,7 +223,15 @@ TEST_F(LabKeyTest, ARunUnderAFloodEndsAsWithout) {
         }
         std::this_thread::sleep_for(std::chrono::milliseconds{1});
     }
+    const double seconds_s = to_seconds(wall_now() - begin);
     expect_end(run, 0, EndReason::kCompleted);
+    for (const char* program : {"thimble-master", "thimble-netem", "thimble-slave-sim"}) {
+        const auto report = run.report(program);
+        say_flood(fmt::format("{} in a run, {} of {} deadlines missed", program,
+                              report.at("deadlines_missed").get<std::uint64_t>(),
+                              report.at("deadlines").get<std::uint64_t>()),
+                  seconds_s, report.at("security"));
+    }
     const auto master = run.report("thimble-master").at("security"),
                netem = run.report("thimble-netem").at("security"),
                slave = run.report("thimble-slave-sim").at("security");
