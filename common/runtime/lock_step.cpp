@@ -1,6 +1,7 @@
 #include "common/runtime/lock_step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cerrno>
 #include <cstring>
@@ -11,6 +12,8 @@
 #include <sys/time.h>
 #include <unistd.h>
 #include <utility>
+
+#include <boost/core/noncopyable.hpp>
 
 #include "common/error.hpp"
 #include "common/runtime/grant_stream.hpp"
@@ -28,6 +31,20 @@ LockStepMessage answer(LockStepKind kind, const Process& process, const Datagram
     std::copy(sent.begin(), sent.end(), message.datagrams.begin());
     return message;
 }
+
+// For sendmsg() and recvmsg(): a message, and room for a descriptor beside it.
+struct MessageWithRoom : boost::noncopyable {
+    explicit MessageWithRoom(LockStepMessage& message) : part{&message, sizeof message} {
+        header.msg_iov = &part;
+        header.msg_iovlen = 1;
+        header.msg_control = control.data();
+        header.msg_controllen = control.size();
+    }
+
+    iovec part;
+    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(int))> control{};
+    msghdr header{};
+};
 
 }  // namespace
 
@@ -90,31 +107,19 @@ bool LockStepEnd::send(LockStepMessage message) {
 
 bool LockStepEnd::send_by_socket(const LockStepMessage& message) {
     if (offered_ < 0) return ::send(descriptor_, &message, sizeof message, MSG_NOSIGNAL) == sizeof message;
-    iovec part{const_cast<LockStepMessage*>(&message), sizeof message};
-    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(int))> control{};
-    msghdr header{};
-    header.msg_iov = &part;
-    header.msg_iovlen = 1;
-    header.msg_control = control.data();
-    header.msg_controllen = control.size();
-    cmsghdr* const rights = CMSG_FIRSTHDR(&header);
+    MessageWithRoom with(const_cast<LockStepMessage&>(message));
+    cmsghdr* const rights = CMSG_FIRSTHDR(&with.header);
     *rights = {CMSG_LEN(sizeof(int)), SOL_SOCKET, SCM_RIGHTS};
     std::memcpy(CMSG_DATA(rights), &offered_, sizeof offered_);
-    const bool sent = sendmsg(descriptor_, &header, MSG_NOSIGNAL) == sizeof message;
+    const bool sent = sendmsg(descriptor_, &with.header, MSG_NOSIGNAL) == sizeof message;
     close(std::exchange(offered_, -1));
     return sent;
 }
 
 ssize_t LockStepEnd::receive_by_socket(LockStepMessage& message) {
-    iovec part{&message, sizeof message};
-    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(int))> control{};
-    msghdr header{};
-    header.msg_iov = &part;
-    header.msg_iovlen = 1;
-    header.msg_control = control.data();
-    header.msg_controllen = control.size();
-    const ssize_t size = recvmsg(descriptor_, &header, MSG_CMSG_CLOEXEC);
-    const cmsghdr* const rights = size > 0 ? CMSG_FIRSTHDR(&header) : nullptr;
+    MessageWithRoom with(message);
+    const ssize_t size = recvmsg(descriptor_, &with.header, MSG_CMSG_CLOEXEC);
+    const cmsghdr* const rights = size > 0 ? CMSG_FIRSTHDR(&with.header) : nullptr;
     if (rights == nullptr || rights->cmsg_type != SCM_RIGHTS) return size;
     int page = -1;
     std::memcpy(&page, CMSG_DATA(rights), sizeof page);

@@ -211,11 +211,11 @@ void require_paper_trials(const std::vector<Protocol>& protocols) {
         "[session] and [protocol] of a paper-experiment session");
 }
 
-SweepOptions sweep_options(const StudyArguments& arguments, const StudyDesign& design) {
-    require_paper_trials(design.protocols);
-    SweepOptions options;
+// Of one study, and of many.
+template <class Options>
+Options options_of(const StudyArguments& arguments, const StudyDesign& design) {
+    Options options;
     options.protocols = design.protocols;
-    options.seeds = arguments.seeds;
     options.out = arguments.out;
     options.command = study_command(arguments, design);
     options.made_with = design.made_with;
@@ -225,22 +225,22 @@ SweepOptions sweep_options(const StudyArguments& arguments, const StudyDesign& d
     return options;
 }
 
+SweepOptions sweep_options(const StudyArguments& arguments, const StudyDesign& design) {
+    require_paper_trials(design.protocols);
+    auto options = options_of<SweepOptions>(arguments, design);
+    options.seeds = arguments.seeds;
+    return options;
+}
+
 StudyOptions study_options(const StudyArguments& arguments, const StudyDesign& design) {
-    StudyOptions options;
-    options.protocols = design.protocols;
+    auto options = options_of<StudyOptions>(arguments, design);
     options.paper_design = design.paper;
-    options.out = arguments.out;
-    options.command = study_command(arguments, design);
-    options.made_with = design.made_with;
-    options.jobs = arguments.jobs;
-    if (arguments.overwrite) options.if_exists = IfExists::kReplace;
     if (arguments.resume) options.if_exists = IfExists::kContinue;
     options.trajectories = arguments.trajectories;
     if (arguments.axis != kCurveAxisNames[0]) options.curves = kPercentGrid;
     // A user's session names its delays itself.
     options.control = design.paper && !arguments.no_control;
     options.compensators = compensators_of(arguments, design.settings);
-    options.stop = &stop_requested();
     return options;
 }
 
