@@ -1,6 +1,7 @@
 #include "browser/live_trial.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "session/settings/protocol.hpp"
 #include "study/with_compensator.hpp"
@@ -21,8 +22,7 @@ SystemSettings settings_of(const LiveChoice& choice) {
     settings.session.trial_timeout = kLongestTrial;
     settings.session.ends_by_withdrawal = !choice.virtual_hand;
     settings.visual.fingertip = true;
-    set_delay(settings.netem.force, settings.netem.force_timeline, from_seconds(choice.delay_s));
-    return settings;
+    return with_force_delay(std::move(settings), from_seconds(choice.delay_s));
 }
 
 }  // namespace

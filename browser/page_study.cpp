@@ -11,9 +11,8 @@ bool PageStudy::go_on(unsigned instants) {
     for (; instants > 0 && rows_.size() < planned_.size(); --instants) {
         if (!session_) {
             const TrialConditions& next = planned_[rows_.size()];
-            SystemSettings settings = settings_;
-            set_delay(settings.netem.force, settings.netem.force_timeline, from_seconds(next.delay_s));
-            session_ = std::make_unique<VirtualSession>(settings);
+            session_ =
+                std::make_unique<VirtualSession>(with_force_delay(settings_, from_seconds(next.delay_s)));
             session_->start(next);
         }
         if (session_->step()) continue;

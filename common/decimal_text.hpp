@@ -4,7 +4,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 namespace thimble {
@@ -24,6 +26,15 @@ inline std::from_chars_result read_decimal(const char* first, const char* last, 
     value = read;
     return {first + (end - number.c_str()), std::errc{}};
 #endif
+}
+
+// The whole text as a finite decimal number.
+inline std::optional<double> parse_number(std::string_view text) {
+    double value = 0;
+    const char* const last = text.data() + text.size();
+    const auto [end, error] = read_decimal(text.data(), last, value);
+    if (error != std::errc{} || end != last || !std::isfinite(value)) return {};
+    return value;
 }
 
 }  // namespace thimble

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <fstream>
 #include <limits>
 #include <utility>
@@ -29,12 +28,6 @@ std::string read_whole(const std::filesystem::path& file) {
     return read_to_end(in, file);
 }
 
-bool parse(std::string_view text, double& value) {
-    const char* const end = text.data() + text.size();
-    const auto [rest, error] = read_decimal(text.data(), end, value);
-    return error == std::errc{} && rest == end;
-}
-
 bool parse(std::string_view text, std::uint64_t& value) {
     const char* const end = text.data() + text.size();
     const auto [rest, error] = std::from_chars(text.data(), end, value);
@@ -45,9 +38,9 @@ bool parse(std::string_view text, std::uint64_t& value) {
 
 double CsvField::number() const {
     if (text.empty()) return std::numeric_limits<double>::quiet_NaN();
-    double value = 0;
-    if (!parse(text, value) || !std::isfinite(value)) fail("is not a finite number");
-    return value;
+    const auto value = parse_number(text);
+    if (!value) fail("is not a finite number");
+    return *value;
 }
 
 std::uint64_t CsvField::integer(std::uint64_t max) const {

@@ -1,10 +1,8 @@
 #include "netem/formats/text_lines.hpp"
 
 #include <charconv>
-#include <cmath>
 #include <fstream>
 
-#include "common/decimal_text.hpp"
 #include "common/error.hpp"
 #include "common/text_file.hpp"
 
@@ -71,13 +69,6 @@ std::vector<std::string_view> fields_of(std::string_view line) {
         if (comma == std::string_view::npos) return fields;
         line.remove_prefix(comma + 1);
     }
-}
-
-std::optional<double> parse_number(std::string_view text) {
-    double value = 0;
-    const auto [end, error] = read_decimal(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return {};
-    return value;
 }
 
 std::optional<std::int64_t> parse_integer(std::string_view text) {

@@ -48,8 +48,6 @@ std::string_view trimmed(std::string_view text);  // without blanks and tabs at 
 std::vector<std::string_view> words_of(std::string_view text);
 // Fields between commas, trimmed.
 std::vector<std::string_view> fields_of(std::string_view line);
-// The whole text as a finite decimal number.
-std::optional<double> parse_number(std::string_view text);
 std::optional<std::int64_t> parse_integer(std::string_view text);
 
 }  // namespace thimble

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "common/decimal_text.hpp"
 #include "netem/formats/text_lines.hpp"
 #include "netem/import/importers.hpp"
 

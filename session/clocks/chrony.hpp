@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "common/decimal_text.hpp"
 #include "common/error.hpp"
 #include "common/process/child.hpp"
 #include "netem/formats/text_lines.hpp"

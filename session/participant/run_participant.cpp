@@ -118,14 +118,12 @@ std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& 
 
 ConditionPlan condition_plan(const SystemSettings& settings, const ParticipantRun& run,
                              const Dataset& dataset, std::uint32_t participant, double delay_s) {
-    SystemSettings with_delay = settings;
-    set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
     ConditionPlan plan;
     const bool human = settings.plan.kind == SubjectKind::kHuman;
     plan.starter = human && run.starter ? std::make_shared<PersonStarter>(run.starter) : run.starter;
     plan.out = dataset.source(participant) / "nodes";
     plan.network = run.network;
-    plan.session = session_settings(with_delay);
+    plan.session = session_settings(with_force_delay(settings, from_seconds(delay_s)));
     plan.session.ends_by_withdrawal = human;
     plan.session.subject_goes_on = human && settings.protocol->subject_goes_on;
     plan.delay_s = delay_s;

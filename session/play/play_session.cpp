@@ -80,12 +80,10 @@ class Play {
     }
 
     void fill_in_plan(const SystemSettings& settings) {
-        SystemSettings with_delay = settings;
-        set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(options_.delay_s));
         plan_.starter = options_.starter;
         plan_.out = (table_ ? options_.record : scratch_->path()) / "nodes";
         plan_.network = options_.network;
-        plan_.session = session_settings(with_delay);
+        plan_.session = session_settings(with_force_delay(settings, from_seconds(options_.delay_s)));
         plan_.session.ends_by_withdrawal = true;
         plan_.session.trial_timeout = kPlayTimeout;
         plan_.delay_s = options_.delay_s;

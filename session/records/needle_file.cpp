@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/csv/spreadsheet.hpp"
+#include "common/decimal_text.hpp"
 #include "netem/formats/text_lines.hpp"
 
 namespace thimble {

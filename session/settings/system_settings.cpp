@@ -213,6 +213,11 @@ std::string all_parameters(const std::filesystem::path& path, const std::vector<
     return file.all_values([&] { read_tables(file); });
 }
 
+SystemSettings with_force_delay(SystemSettings settings, Duration delay) {
+    set_delay(settings.netem.force, settings.netem.force_timeline, delay);
+    return settings;
+}
+
 void require_simulated_hand(const SystemSettings& settings, std::string_view command) {
     const auto refuse = [command](const char* person, const char* key) {
         throw Error(ExitCode::kUsage,

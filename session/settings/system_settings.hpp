@@ -88,6 +88,9 @@ SystemSettings load_system_settings(const std::filesystem::path& path,
 // stand as if they were in the file.
 std::string all_parameters(const std::filesystem::path& path, const std::vector<SettingChange>& changes = {});
 
+// The same session with this delay of the force path, as a condition of an experiment has it.
+SystemSettings with_force_delay(SystemSettings settings, Duration delay);
+
 // Throws Error (usage) if a person takes part: `command` runs virtual subjects with the simulated handle.
 void require_simulated_hand(const SystemSettings& settings, std::string_view command);
 // Likewise, and if [launch] names a program that virtual time does not have.

@@ -110,9 +110,7 @@ void VirtualSession::restart(Role role) {
 }
 
 TrialRecord run_virtual_trial(const SystemSettings& settings, const TrialConditions& conditions) {
-    SystemSettings with_delay = settings;
-    set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(conditions.delay_s));
-    VirtualSession session(with_delay);
+    VirtualSession session(with_force_delay(settings, from_seconds(conditions.delay_s)));
     return session.run(conditions);
 }
 

@@ -157,7 +157,7 @@ double true_stiffness_hand_N_per_m(const SystemSettings& settings) {
 }
 
 SystemSettings over_network(SystemSettings settings, const CompensatorNetwork& network) {
-    set_delay(settings.netem.force, settings.netem.force_timeline, from_seconds(network.delay_s));
+    settings = with_force_delay(std::move(settings), from_seconds(network.delay_s));
     if (network.jitter_spread_s > 0)
         settings.netem.force.jitter = {JitterShape::kUniform, from_seconds(network.jitter_spread_s)};
     if (network.loss > 0)

@@ -24,11 +24,6 @@ std::shared_ptr<const LabKey> swarm_key() {
     return std::make_shared<const LabKey>(bytes);
 }
 
-SystemSettings with_first_delay(SystemSettings settings) {
-    set_delay(settings.netem.force, settings.netem.force_timeline, settings.plan.delays.front());
-    return settings;
-}
-
 bool flips_bits(const LinkSettings& link, const Timeline& timeline) {
     return link.corrupt > 0 || std::any_of(timeline.begin(), timeline.end(), [](const LinkChange& change) {
                return change.settings.corrupt > 0;
@@ -48,7 +43,7 @@ class CaseRun {
   public:
     CaseRun(const SwarmCase& one, const SystemSettings& settings, const BreakForce& break_force)
         : case_(one),
-          settings_(with_first_delay(settings)),
+          settings_(with_force_delay(settings, settings.plan.delays.front())),
           watch_(settings_, one.sealed || flips_bits(one, settings_)),
           plain_handle_(settings_.handle, settings_.person),
           handle_(plain_handle_, watch_, distortion(break_force)),

@@ -141,12 +141,6 @@ class Run {
         waiting_[turn_].clear();
     }
 
-    SystemSettings settings_with(double delay_s) const {
-        SystemSettings settings = settings_;
-        set_delay(settings.netem.force, settings.netem.force_timeline, from_seconds(delay_s));
-        return settings;
-    }
-
     ConditionPlan plan(unsigned place, double delay_s) const {
         ConditionPlan plan;
         plan.starter = options_.starter;
@@ -154,7 +148,7 @@ class Run {
         plan.network = options_.network;
         plan.network.base_port =
             static_cast<std::uint16_t>(plan.network.base_port + place * static_cast<unsigned>(Port::kCount));
-        plan.session = session_settings(settings_with(delay_s));
+        plan.session = session_settings(with_force_delay(settings_, from_seconds(delay_s)));
         plan.session.ends_by_withdrawal = held_by_person(settings_.handle.kind);
         plan.delay_s = delay_s;
         plan.place = place;
@@ -205,7 +199,7 @@ class Run {
     ConditionResult run_by_clock(const ConditionPlan& planned, const ConditionEvents& events) const {
         if (by(RunClock::kWall)) return run_condition(planned, events);
         if (by(RunClock::kLockStep)) return by_lock_step(planned, events);
-        const SystemSettings settings = settings_with(planned.delay_s);
+        const SystemSettings settings = with_force_delay(settings_, from_seconds(planned.delay_s));
         return run_stepped_condition(planned, events,
                                      [&settings] { return std::make_unique<VirtualSession>(settings); });
     }
