@@ -167,6 +167,10 @@ TEST_F(SessionOfAUser, CheckSaysWhichTrialsAreMeant) {
     EXPECT_THAT(check("[handle]\ndevice = 'pointer'\n"),
                 HasSubstr("thimble study: refused: [handle] device"));
     EXPECT_THAT(run_thimble({"check", "paper-experiment-1"}).words, HasSubstr("384 trials of 16"));
+    const std::string falcon =
+        "[handle]\ndevice = 'falcon'\n[session]\nmodalities = ['HF']\ndelays_s = [0.05]\n";
+    EXPECT_THAT(check(falcon), HasSubstr("write energy_limit_J = "));
+    EXPECT_THAT(check(falcon + "[guard]\nenergy_limit_J = 9\n"), Not(HasSubstr("energy_limit_J")));
 }
 
 }  // namespace

@@ -4,10 +4,12 @@
 #include <deque>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "session/virtual/energy_demand.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
@@ -125,6 +127,31 @@ TEST(Guard, TheLimitsOfARealHandleStopAnOscillationAndCutNothingElse) {
         EXPECT_EQ(rig.master().guard().cut(), 0U) << delay_ms;
         EXPECT_TRUE(oscillates || rig.master().guard().most_given_out_J() < 0.001) << delay_ms;
     }
+}
+
+// The warning before a run: of a real handle, HF and an oscillation only. The value that it names is enough.
+TEST(Guard, AWarningNamesTheEnergyLimitThatAnOscillationNeeds) {
+    SystemSettings settings = paper();
+    EXPECT_EQ(energy_warning(settings, {milliseconds{50}}), "") << "a simulated handle";
+    settings.handle.kind = HandleKind::kFalcon;
+    settings.master.guard = guard_of_real_handle();
+    EXPECT_EQ(energy_warning(settings, {milliseconds{0}, milliseconds{10}}), "");
+    settings.plan.delays = {milliseconds{0}, milliseconds{50}};
+    const std::string warning = energy_warning(settings);
+    EXPECT_NE(warning.find("a delay of 50 ms"), std::string::npos) << warning;
+    EXPECT_NE(warning.find("energy_limit_J is 0.5: the guard will end"), std::string::npos) << warning;
+    const std::string_view wanted = "write energy_limit_J = ";
+    ASSERT_NE(warning.find(wanted), std::string::npos) << warning;
+    settings.master.guard.energy_limit_J = std::stod(warning.substr(warning.find(wanted) + wanted.size()));
+    EXPECT_GT(settings.master.guard.energy_limit_J, 1);
+    EXPECT_LT(settings.master.guard.energy_limit_J, 4);
+    EXPECT_EQ(energy_warning(settings), "");
+    settings.master.guard = guard_of_real_handle();
+    settings.plan.modalities = {Modality::kCF, Modality::kVF};
+    EXPECT_EQ(energy_warning(settings), "") << "without HF";
+    settings.plan.modalities = {Modality::kHF};
+    settings.master.guard.energy_limit_J = 0;
+    EXPECT_EQ(energy_warning(settings), "") << "switched off on purpose";
 }
 
 // 90 ms of forces are lost while the needle goes into the fixture.

@@ -15,6 +15,7 @@
 #include "session/records/condition_summary.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/settings/system_settings.hpp"
+#include "session/virtual/energy_demand.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"
 
@@ -66,6 +67,7 @@ int check_config(const std::string& config) {
     check_build(settings);
     const bool paper = is_paper_session(settings.file);  // reads the file: if that fails, no command refuses
     for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
+    if (const std::string warning = energy_warning(settings); !warning.empty()) spdlog::warn(warning);
     fmt::print("{}: good\n{}\n", config, conditions_text(settings.plan));
     say("run", [&] { return run_text(settings); });
     say("study", [&] { return study_text(settings, paper); });

@@ -11,6 +11,7 @@
 #include "common/network_settings.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "session/settings/system_settings.hpp"
+#include "session/virtual/energy_demand.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"
 #include "thimble/doctor/checks.hpp"
@@ -53,6 +54,7 @@ ConfigFile read_session(const DoctorArguments& arguments, SystemSettings& settin
     file.table("handle").read("device", facts.handle, "");
     file.table("cutaneous").read("device", facts.fingertip, "");
     facts.window = settings.visual.window;
+    facts.energy = energy_warning(settings);
     return file;
 }
 

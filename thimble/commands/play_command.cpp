@@ -17,6 +17,7 @@
 #include "session/play/replay_process.hpp"
 #include "session/play/replay_session.hpp"
 #include "session/render/render.hpp"
+#include "session/virtual/energy_demand.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"
 
@@ -96,6 +97,8 @@ int run_play(PlayArguments a) {
     const bool replays = !a.replay.folder.empty();
     install_stop_signals(replays ? QuitSignal::kEnds : QuitSignal::kStopsEverything);
     warn_if_unprotected(a.play.network);
+    const std::string warning = energy_warning(settings, {from_seconds(a.play.delay_s)});
+    if (!replays && !warning.empty()) spdlog::warn(warning);
     if (replays) {
         play_recorded(a.replay);
     } else {

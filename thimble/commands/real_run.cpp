@@ -15,6 +15,7 @@
 #include "session/participant/dataset.hpp"
 #include "session/play/order_handlers.hpp"
 #include "session/play/play_starter.hpp"
+#include "session/virtual/energy_demand.hpp"
 #include "thimble/commands/shared.hpp"
 
 namespace thimble {
@@ -149,6 +150,7 @@ int run_for_real(const RealRunArguments& given, const SystemSettings& settings,
     options.made_with = made_with({arguments.config});
     require_protection(options.network);
     if (is_real(settings.handle.kind)) require_protection_of_handle(options.network);
+    if (const std::string warning = energy_warning(settings); !warning.empty()) spdlog::warn(warning);
     if (options.clock != RunClock::kVirtual) warn_if_unprotected(options.network);
     // A bad key leaves no folder behind.
     if (options.clock != RunClock::kVirtual)

@@ -18,6 +18,7 @@ struct SessionFacts {
     bool several_machines = false;
     std::string handle = "simulated", fingertip = "simulated";  // [handle] device, [cutaneous] device
     bool window = false;                                        // [visual] display
+    std::string energy{};                                       // energy_warning()
 };
 
 struct RealtimeFacts {

@@ -37,6 +37,7 @@ Diagnosis check_session(const Facts& facts) {
     Diagnosis finding{"session", ExitCode::kUsage};
     if (!session.problem.empty())
         return finding.is(Severity::kFault, session.problem, fmt::format("thimble check {}", session.file));
+    if (!session.energy.empty()) return finding.is(Severity::kWarning, session.energy);
     return finding.is(Severity::kOk, session.file.empty()
                                          ? "the default session (give a session file to look at another)"
                                          : fmt::format("{} is good", session.file));

@@ -54,6 +54,12 @@ TEST(DoctorChecks, ABadSessionFileIsAFaultWithItsOwnWords) {
                      {session("mine.toml:3: unknown"), kFault, "mine.toml:3", "thimble check mine.toml"}});
 }
 
+TEST(DoctorChecks, AnEnergyLimitThatStopsTheTrialsIsAWarning) {
+    SessionFacts session{"mine.toml", ""};
+    session.energy = "write energy_limit_J = 2 into [guard]";
+    expect_findings(check_session, {{with(&Facts::session, session), kWarning, "energy_limit_J = 2"}});
+}
+
 TEST(DoctorChecks, ProgramsMustBeThereAndOfOneVersion) {
     const auto netem = [](const char* version) {
         return with(&Facts::programs,
