@@ -74,8 +74,11 @@ NetworkSettings read_network_settings(const ConfigFile& file) {
         "base_port", settings.base_port, 1024, 65536 - kPorts,
         "First of 33 UDP ports (docs/machines.md). Each further condition takes the next 33: leave room.");
     for (std::size_t i = 0; i < settings.hosts.size(); ++i) {
-        table.read(fmt::format("host_{}", to_string(static_cast<Role>(i))), settings.hosts[i],
-                   "Name or address where it listens, and the only host it is heard from.");
+        const auto role = static_cast<Role>(i);
+        table.read(fmt::format("host_{}", to_string(role)), settings.hosts[i],
+                   role == owner(Port::kExperimenterMonitor)
+                       ? "Name or address where it is at first. Under a key it may change."
+                       : "Name or address where it listens, and the only host it is heard from.");
     }
     return settings;
 }

@@ -1,4 +1,4 @@
-// A view whose address changes. The session follows its newest sealed word, and nobody else's.
+// A view whose address changes: the session follows the view's newest sealed datagram, and no other.
 #include <chrono>
 #include <filesystem>
 #include <functional>
