@@ -25,7 +25,7 @@ void LinkFates::configure(const LinkSettings& settings, const std::shared_ptr<co
     reorder_.configure(settings.reorder, settings.reorder_gap);
 }
 
-PacketFate LinkFates::decide(std::uint64_t packet, Duration time) {
+PacketFate LinkFates::decide(std::uint64_t packet, Duration time, bool may_mark) {
     PacketFate fate;
     const PacketTrace* trace = settings_->trace.get();
     const TraceRow row = trace == nullptr ? TraceRow{} : trace->of(packet, time);
@@ -34,6 +34,8 @@ PacketFate LinkFates::decide(std::uint64_t packet, Duration time) {
     if (has_jitter && jitter_.correlated()) deviate = jitter_.deviate(packet);  // also of a lost packet
     fate.lost =
         trace != nullptr && trace->layout().has_loss ? loss_.lost(packet, row.loss) : loss_.lost(packet);
+    fate.marked = fate.lost && may_mark;
+    fate.lost = fate.lost && !may_mark;
     if (fate.lost) return fate;
     if (has_jitter && !jitter_.correlated()) deviate = jitter_.deviate(packet);
     const Duration mean = trace != nullptr && trace->layout().has_delay ? row.delay : settings_->delay;

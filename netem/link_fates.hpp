@@ -16,6 +16,7 @@ namespace thimble {
 
 struct PacketFate {
     bool lost = false;
+    bool marked = false;  // would be lost, but says that it understands congestion marks
     bool corrupted = false;
     bool duplicated = false;
     bool skipped = false;  // goes without delay, before others
@@ -34,7 +35,8 @@ class LinkFates {
     void configure(const LinkSettings& settings, const std::shared_ptr<const DelayShape>& shape);
 
     // Each packet in its turn; `time` since the start of the trial matters only for a trace by time.
-    PacketFate decide(std::uint64_t packet, Duration time);
+    // A packet that `may_mark` is marked where others are lost.
+    PacketFate decide(std::uint64_t packet, Duration time, bool may_mark = false);
     void flip_bits(std::uint64_t packet, std::span<std::uint8_t> bytes) { damage_.flip(packet, bytes); }
 
   private:

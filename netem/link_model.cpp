@@ -14,6 +14,10 @@ bool is_plain(const LinkSettings& s) {
            s.outages.empty() && s.trace == nullptr && s.deliveries == nullptr;
 }
 
+// RFC 3168: either bit says that the sender understands ECN, both say that the packet met congestion.
+constexpr std::uint8_t kCongestionExperienced = 3;
+bool understands_ecn(std::uint8_t traffic_class) { return (traffic_class & kCongestionExperienced) != 0; }
+
 }  // namespace
 
 LinkModel::Plan::Plan(Duration from, const LinkSettings& what)
@@ -106,31 +110,34 @@ void LinkModel::wait_for_transmitter() {
     next_due_ = std::min(std::min(next_due_, event), next_change_);
 }
 
-void LinkModel::push(SessionTime now, Bytes datagram) {
-    const std::uint64_t packet = counters_.pushed++;
+void LinkModel::push(SessionTime now, Bytes datagram, std::uint8_t traffic_class) {
+    const Arrival arrival{counters_.pushed++, now, datagram, traffic_class};
     if (now >= next_change_) run_until(now);
-    if (!plain_) return push_by_fate(packet, now, datagram);
+    if (!plain_) return push_by_fate(arrival);
     if (datagram.empty() || datagram.size() > kLargestDatagramBytes) {
-        return drop(packet, now, DropReason::kOversized);
+        return drop(arrival.packet, now, DropReason::kOversized);
     }
-    if (in_flight_ >= capacity_) return drop(packet, now, DropReason::kOverflowed);
-    Packet* block = store(packet, now, datagram);
+    if (in_flight_ >= capacity_) return drop(arrival.packet, now, DropReason::kOverflowed);
+    Packet* block = store(arrival);
     block->copy = block->corrupted = false;
     block->due_ns = block->received_ns + delay_ns_;
     line_.add(block, in_order_);
     next_due_ = line_.next_due();
 }
 
-Packet* LinkModel::store(std::uint64_t packet, SessionTime now, Bytes datagram) {
+Packet* LinkModel::store(const Arrival& arrival) {
     ++in_flight_;
-    Packet* block = store_.take(datagram);
-    block->number = packet;
-    block->received_ns = to_nanoseconds(now);
+    Packet* block = store_.take(arrival.datagram);
+    block->number = arrival.packet;
+    block->received_ns = to_nanoseconds(arrival.now);
+    block->traffic_class = arrival.traffic_class;
     return block;
 }
 
-void LinkModel::push_by_fate(std::uint64_t packet, SessionTime now, Bytes datagram) {
-    const PacketFate fate = fates_.decide(packet, now - start_);
+void LinkModel::push_by_fate(const Arrival& arrival) {
+    const auto& [packet, now, datagram, traffic_class] = arrival;
+    const bool may_mark = settings().ecn && understands_ecn(traffic_class);
+    const PacketFate fate = fates_.decide(packet, now - start_, may_mark);
     if (fate.lost) return drop(packet, now, DropReason::kLost);
     if (is_out(settings().outages, now - start_)) return drop(packet, now, DropReason::kOutage);
     if (datagram.empty() || datagram.size() > kLargestDatagramBytes) {
@@ -138,23 +145,25 @@ void LinkModel::push_by_fate(std::uint64_t packet, SessionTime now, Bytes datagr
     }
     counters_.skipped += fate.skipped ? 1 : 0;
     counters_.corrupted += fate.corrupted ? 1 : 0;
-    admit(packet, now, datagram, fate, false);
+    counters_.marked += fate.marked ? 1 : 0;
+    admit(arrival, fate, false);
     if (!fate.duplicated) return;
     ++counters_.duplicated;
-    admit(packet, now, datagram, fate, true);
+    admit(arrival, fate, true);
 }
 
-void LinkModel::admit(std::uint64_t packet, SessionTime now, Bytes datagram, const PacketFate& fate,
-                      bool copy) {
+void LinkModel::admit(const Arrival& arrival, const PacketFate& fate, bool copy) {
+    const auto& [packet, now, datagram, traffic_class] = arrival;
     if (transmitter_.active()) run_until(now);
     // More than a smaller capacity allows: no packet that waits has to make room for one that overflows.
     if (in_flight_ > capacity_) return drop(packet, now, DropReason::kOverflowed);
     const bool waits = transmitter_.active();  // a removed rate ends with the last packet that it held up
     if (waits && !make_room(datagram.size())) return drop(packet, now, DropReason::kQueueFull);
     if (in_flight_ >= capacity_) return drop(packet, now, DropReason::kOverflowed);
-    Packet* block = store(packet, now, datagram);
+    Packet* block = store(arrival);
     block->copy = copy;
     block->corrupted = fate.corrupted;
+    if (fate.marked) block->traffic_class |= kCongestionExperienced;
     block->due_ns = (copy ? fate.copy_delay : fate.delay).count();
     if (fate.corrupted) fates_.flip_bits(packet, {block->data(), block->size});
     if (waits) {
@@ -223,12 +232,14 @@ Departure LinkModel::pop_departure(SessionTime now) {
             .due = from_nanoseconds(packet->due_ns),
             .bytes = packet->bytes(),
             .copy = packet->copy,
-            .corrupted = packet->corrupted};
+            .corrupted = packet->corrupted,
+            .traffic_class = packet->traffic_class};
 }
 
 LinkCounters& LinkCounters::operator+=(const LinkCounters& other) {
     for (const LinkCounter& counter : kReportedCounters) this->*counter.value += other.*counter.value;
     skipped += other.skipped;
+    marked += other.marked;
     return *this;
 }
 

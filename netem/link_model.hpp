@@ -34,6 +34,7 @@ struct LinkCounters {
     std::uint64_t duplicated = 0;  // second copies made
     std::uint64_t corrupted = 0;   // packets of which bits were flipped
     std::uint64_t skipped = 0;     // packets that the reorder stage let go without delay
+    std::uint64_t marked = 0;      // packets that were marked instead of lost (LinkSettings::ecn)
     std::uint64_t reordered = 0;   // delivered after a later one (RFC 4737); copies do not count
 
     LinkCounters& operator+=(const LinkCounters& other);
@@ -82,7 +83,8 @@ class LinkModel {
     // Null: no observer (the default). Must outlive the model.
     void observe(LinkObserver* observer) { observer_ = observer; }
 
-    void push(SessionTime now, Bytes datagram);
+    // `traffic_class`: DSCP and ECN bits as they were received, which leave with the datagram.
+    void push(SessionTime now, Bytes datagram, std::uint8_t traffic_class = 0);
     // The next datagram whose time has come, or an empty span; valid until the next push.
     Bytes pop_due(SessionTime now) {
         if (now < next_due_) return {};
@@ -115,9 +117,15 @@ class LinkModel {
     void run_until(SessionTime now);
     void send_until(Duration time);
     void follow_timeline();
-    void push_by_fate(std::uint64_t packet, SessionTime now, Bytes datagram);
-    void admit(std::uint64_t packet, SessionTime now, Bytes datagram, const PacketFate& fate, bool copy);
-    Packet* store(std::uint64_t packet, SessionTime now, Bytes datagram);
+    struct Arrival {
+        std::uint64_t packet;
+        SessionTime now;
+        Bytes datagram;
+        std::uint8_t traffic_class;
+    };
+    void push_by_fate(const Arrival& arrival);
+    void admit(const Arrival& arrival, const PacketFate& fate, bool copy);
+    Packet* store(const Arrival& arrival);
     bool make_room(std::size_t bytes);
     void drop(std::uint64_t packet, SessionTime received, DropReason reason);
     void forget_all();

@@ -30,9 +30,10 @@ struct Departure {
     std::uint64_t packet = 0;  // its number since the last restart
     SessionTime received{};    // when it was pushed
     SessionTime due{};
-    Bytes bytes{};           // empty: nothing is due. Valid until the next push, restart or change
-    bool copy = false;       // the second of two
-    bool corrupted = false;  // bits were flipped
+    Bytes bytes{};                   // empty: nothing is due. Valid until the next push, restart or change
+    bool copy = false;               // the second of two
+    bool corrupted = false;          // bits were flipped
+    std::uint8_t traffic_class = 0;  // as pushed; "congestion experienced" if it was marked
 };
 
 }  // namespace thimble

@@ -83,6 +83,7 @@ void read_faults(const ConfigTable& table, LinkSettings& link) {
     table.read("reorder_gap", link.reorder_gap, 1, 1'000'000,
                "After a packet that skips, one less than so many are certainly delayed.");
     table.read("in_order", link.in_order, "false: packets may overtake each other.");
+    table.read("ecn", link.ecn, "true: a packet that understands ECN is marked instead of lost.");
     if (link.reorder > 0 && link.in_order) {
         table.fail("reorder", "contradicts in_order, which is true unless set: set in_order = false");
     }
@@ -93,6 +94,9 @@ void read_rate(const ConfigTable& table, RateSettings& rate) {
     if (rate.bits_per_s > 0 && rate.bits_per_s < 1) table.fail("rate_bits_per_s", "must be 0 or at least 1");
     table.read("rate_overhead_bytes", rate.overhead_bytes, 0, 65535,
                "Per packet; also for slots and deliveries.");
+    table.read("rate_cell_bytes", rate.cell_bytes, 0, 65535,
+               "The link sends whole cells of so many; 0: none.");
+    table.read("rate_cell_overhead_bytes", rate.cell_overhead_bytes, 0, 65535, "Of each cell, on top.");
     table.read("rate_queue_packets", rate.queue_packets, 0, kMaxCapacity,
                "Longest queue; 0: limited by capacity only.");
     table.read("rate_queue_bytes", rate.queue_bytes, 0, kMaxBytes, "The same in bytes.");
@@ -105,6 +109,15 @@ void read_slots(const ConfigTable& table, SlotSettings& slot) {
     if (table.has("slot_least_s")) slot.most = slot.least;
     table.read("slot_most_s", slot.most, 0, 60,
                "At most so far apart; without it as slot_least_s; 0: no slots.");
+    constexpr std::array<std::string_view, 4> kShapes{"uniform", "normal", "pareto", "pareto-normal"};
+    constexpr std::array kMeant{JitterShape::kUniform, JitterShape::kNormal, JitterShape::kPareto,
+                                JitterShape::kParetoNormal};
+    auto shape =
+        static_cast<std::size_t>(std::find(kMeant.begin(), kMeant.end(), slot.shape) - kMeant.begin()) %
+        kMeant.size();
+    table.read("slot_shape", shape, kShapes,
+               "Between the two, or a distribution that has them one spread below and above its mean.");
+    if (table.has("slot_shape")) slot.shape = kMeant.at(shape);
     table.read("slot_packets", slot.packets, 0, kMaxCapacity, "At most in a slot; 0: no limit.");
     table.read("slot_bytes", slot.bytes, 0, kMaxBytes, "The same in bytes.");
     if (slot.most < slot.least) table.fail("slot_most_s", "must not be below slot_least_s");

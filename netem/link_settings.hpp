@@ -80,21 +80,26 @@ std::array<double, 4> four_state_shares(const LossSettings& loss);
 
 enum class Drop : std::uint8_t { kTail, kHead };  // who goes when the queue is full: the newest or the oldest
 
-// A transmitter that takes (size + overhead) * 8 / bits_per_s per packet; what waits for it queues.
+// A transmitter that takes (size + overhead) * 8 / bits_per_s per packet; what waits for it queues. With cells it sends
+// whole ones: (size + overhead) / cell_bytes of them, rounded up, each with cell_overhead_bytes on top.
 struct RateSettings {
     double bits_per_s = 0;  // 0: no limit
     std::size_t overhead_bytes = 0;
-    std::size_t queue_packets = 0, queue_bytes = 0;  // waiting, without the one being sent; 0: no limit
+    std::size_t cell_bytes = 0, cell_overhead_bytes = 0;  // 0: no cells
+    std::size_t queue_packets = 0, queue_bytes = 0;       // waiting, without the one being sent; 0: no limit
     Drop drop = Drop::kTail;
 
     bool operator==(const RateSettings&) const = default;
 };
 
 // A medium that sends in bursts (Wi-Fi, cable): packets wait for the next slot; slots are [least, most] apart,
-// uniform; each carries at most so many packets and bytes.
+// uniform; each carries at most so many packets and bytes. Another shape has its mean in the middle of the two and a
+// spread of half their difference; no slot is shorter than 0.
 struct SlotSettings {
     Duration least{}, most{};            // most = 0: no slots
     std::size_t packets = 0, bytes = 0;  // 0: no limit
+    JitterShape shape = JitterShape::kUniform;
+    std::shared_ptr<const JitterTable> table{};  // kTable
 
     bool operator==(const SlotSettings&) const = default;
 };
@@ -115,6 +120,7 @@ struct LinkSettings {
     double reorder = 0;         // probability that a packet skips the delay, as in netem
     unsigned reorder_gap = 1;   // only each n-th packet may
     bool in_order = true;       // a packet never leaves before an earlier one (due times are raised)
+    bool ecn = false;           // a packet that understands ECN is marked instead of lost, as in netem
     RateSettings rate{};
     SlotSettings slot{};
     std::vector<Outage> outages{};

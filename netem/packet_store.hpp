@@ -24,6 +24,7 @@ struct Packet {
     std::uint8_t size_class;
     bool copy;
     bool corrupted;
+    std::uint8_t traffic_class;  // DSCP and ECN bits
 
     std::uint8_t* data() { return reinterpret_cast<std::uint8_t*>(this + 1); }
     Bytes bytes() { return {data(), size}; }

@@ -73,17 +73,22 @@ std::string print_profile_link(const LinkSettings& link) {
     out.unless("reorder", link.reorder, none.reorder);
     out.unless("reorder_gap", link.reorder_gap, none.reorder_gap);
     out.unless("in_order", link.in_order, none.in_order);
+    out.unless("ecn", link.ecn, none.ecn);
     out.unless("rate_bits_per_s", link.rate.bits_per_s, 0.0);
     out.unless("rate_overhead_bytes", link.rate.overhead_bytes, none.rate.overhead_bytes);
+    out.unless("rate_cell_bytes", link.rate.cell_bytes, none.rate.cell_bytes);
+    out.unless("rate_cell_overhead_bytes", link.rate.cell_overhead_bytes, none.rate.cell_overhead_bytes);
     out.unless("rate_queue_packets", link.rate.queue_packets, none.rate.queue_packets);
     out.unless("rate_queue_bytes", link.rate.queue_bytes, none.rate.queue_bytes);
     if (link.rate.drop == Drop::kHead) out.line("rate_drop = \"head\"");
     out.seconds("slot_least_s", link.slot.least);
     out.seconds("slot_most_s", link.slot.most);
+    if (link.slot.shape != none.slot.shape)
+        out.line(fmt::format("slot_shape = \"{}\"", to_string(link.slot.shape)));
     out.unless("slot_packets", link.slot.packets, none.slot.packets);
     out.unless("slot_bytes", link.slot.bytes, none.slot.bytes);
     out.line(fmt::format("capacity = {}", link.capacity));
-    if (link.jitter.table || link.trace || link.deliveries)
+    if (link.jitter.table || link.slot.table || link.trace || link.deliveries)
         out.line("# name the file of its table or trace here");
     return out.take();
 }
