@@ -85,9 +85,9 @@ enum class Drop : std::uint8_t { kTail, kHead };  // who goes when the queue is 
 struct RateSettings {
     double bits_per_s = 0;  // 0: no limit
     std::size_t overhead_bytes = 0;
-    std::size_t cell_bytes = 0, cell_overhead_bytes = 0;  // 0: no cells
-    std::size_t queue_packets = 0, queue_bytes = 0;       // waiting, without the one being sent; 0: no limit
+    std::size_t queue_packets = 0, queue_bytes = 0;  // waiting, without the one being sent; 0: no limit
     Drop drop = Drop::kTail;
+    std::size_t cell_bytes = 0, cell_overhead_bytes = 0;  // 0: no cells
 
     bool operator==(const RateSettings&) const = default;
 };

@@ -1,5 +1,7 @@
 #include "netem/profiles/profile_link.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "common/duration_text.hpp"
@@ -81,13 +83,17 @@ std::string print_profile_link(const LinkSettings& link) {
     out.unless("rate_queue_packets", link.rate.queue_packets, none.rate.queue_packets);
     out.unless("rate_queue_bytes", link.rate.queue_bytes, none.rate.queue_bytes);
     if (link.rate.drop == Drop::kHead) out.line("rate_drop = \"head\"");
-    out.seconds("slot_least_s", link.slot.least);
+    out.seconds("slot_least_s", std::max(Duration::zero(), link.slot.least));
     out.seconds("slot_most_s", link.slot.most);
     if (link.slot.shape != none.slot.shape)
         out.line(fmt::format("slot_shape = \"{}\"", to_string(link.slot.shape)));
     out.unless("slot_packets", link.slot.packets, none.slot.packets);
     out.unless("slot_bytes", link.slot.bytes, none.slot.bytes);
     out.line(fmt::format("capacity = {}", link.capacity));
+    if (link.slot.least < Duration::zero())
+        out.line(
+            "# slots that vary by more than their mean: only tc's words say that (profile = \"slot "
+            "distribution ...\")");
     if (link.jitter.table || link.slot.table || link.trace || link.deliveries)
         out.line("# name the file of its table or trace here");
     return out.take();

@@ -43,6 +43,28 @@ TEST(LinkFate, OrderOnlyRaisesDueTimes) {
     EXPECT_EQ(transmit(ordered, 2000), expected);
 }
 
+// RFC 3168: the last two bits of the traffic class. The same packets are marked that are lost without ECN.
+TEST(LinkFate, MarksInsteadOfLosingWhoUnderstandsEcn) {
+    const LinkSettings settings{
+        .loss = LossSettings::independent(0.3), .duplicate = 0.1, .in_order = true, .ecn = true};
+    for (const std::uint8_t traffic_class : {0xb8, 0xb9, 0xba}) {
+        LinkModel link(settings, kKey, 0);
+        for (std::uint32_t i = 0; i < 1000; ++i)
+            link.push(SessionTime{}, NumberedPacket(i).bytes(), traffic_class);
+        std::uint64_t marked = 0, others = 0;
+        for (Departure out = link.pop_departure(SessionTime{}); !out.bytes.empty();
+             out = link.pop_departure(SessionTime{})) {
+            marked += !out.copy && out.traffic_class == 0xbb ? 1 : 0;
+            others += out.traffic_class == traffic_class ? 1 : 0;
+        }
+        const bool understands = traffic_class != 0xb8;
+        EXPECT_EQ(marked, link.counters().marked);
+        EXPECT_GT(others, 0U);
+        EXPECT_EQ(link.counters().lost > 0, !understands);
+        EXPECT_EQ(link.counters().marked > 0, understands);
+    }
+}
+
 TEST(LinkFate, LosesNothingOrEverything) {
     LinkModel none({.loss = LossSettings::independent(0)}, kKey, 0);
     LinkModel all({.loss = LossSettings::independent(1)}, kKey, 0);

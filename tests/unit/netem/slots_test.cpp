@@ -1,5 +1,6 @@
 #include "netem/stages/slots.hpp"
 
+#include <cmath>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -82,6 +83,35 @@ TEST(Slots, GapsLieWithinTheirRangeAndVary) {
 }
 
 // The grid is the same for every caller at any time.
+TEST(Slots, HaveTheShapeThatIsAsked) {
+    for (const JitterShape shape : {JitterShape::kNormal, JitterShape::kPareto}) {
+        Slots slots =
+            slots_of({.least = milliseconds{8}, .most = milliseconds{12}, .packets = 1, .shape = shape});
+        constexpr int kSlots = 20'000;
+        double squares_s2 = 0;
+        Duration last = slots.opening({}, {}, 1);
+        const Duration first = last;
+        for (int i = 0; i < kSlots; ++i) {
+            slots.take(1);
+            const Duration next = slots.opening({}, {}, 1);
+            const double off_s = to_seconds(next - last) - 0.010;
+            squares_s2 += off_s * off_s;
+            last = next;
+        }
+        EXPECT_NEAR(to_seconds(last - first) / kSlots, 0.010, 0.0001);
+        EXPECT_NEAR(std::sqrt(squares_s2 / kSlots), 0.002, shape == JitterShape::kNormal ? 0.0001 : 0.0005);
+    }
+}
+
+// Gaps that would be negative are none, also over a pause of many slots.
+TEST(Slots, AShapeIsCutAtZero) {
+    Slots slots =
+        slots_of({.least = -milliseconds{2}, .most = milliseconds{4}, .shape = JitterShape::kNormal});
+    const Duration late = slots.opening(seconds{1000}, {}, 1);
+    EXPECT_GE(late, seconds{1000});
+    EXPECT_LT(late, seconds{1001});
+}
+
 TEST(Slots, DoNotDependOnTheTraffic) {
     const SlotSettings settings{.least = milliseconds{1}, .most = milliseconds{9}};
     Slots busy = slots_of(settings);

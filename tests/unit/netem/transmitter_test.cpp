@@ -37,6 +37,19 @@ struct Drops final : LinkObserver {
     }
 };
 
+// As the kernel counts: 200 bytes and 20 of overhead are three cells of 100, each with 5 more.
+TEST(Transmitter, SendsWholeCells) {
+    LinkSettings settings;
+    settings.rate = {.bits_per_s = 8e3, .overhead_bytes = 20, .cell_bytes = 100, .cell_overhead_bytes = 5};
+    LinkModel link(settings, kKey, 0);
+    link.push(SessionTime{}, NumberedPacket(0, 200).bytes());
+    EXPECT_EQ(link.next_due(), SessionTime{std::chrono::milliseconds{315}});
+    EXPECT_FALSE(link.pop_due(link.next_due()).empty());
+    const SessionTime then{std::chrono::seconds{1}};
+    link.push(then, NumberedPacket(1, 180).bytes());
+    EXPECT_EQ(link.next_due(), then + std::chrono::milliseconds{210});
+}
+
 TEST(Transmitter, DropsTheNewestOrTheOldestThatWaits) {
     for (const Drop drop : {Drop::kTail, Drop::kHead}) {
         LinkModel link(slow(2, drop), kKey, 0);
