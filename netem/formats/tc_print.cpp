@@ -51,9 +51,20 @@ class TcPrinter {
                             "here (exactly so for uniform); this program's keeps it",
                             100 * std::sqrt((1 - correlation) / (1 + correlation))));
         }
-        if (jittery && link_.in_order) {
+        const bool overtakes = jittery && link_.rate.bits_per_s <= 0;  // in tc
+        if (overtakes && link_.in_order) {
             cannot("order: tc lets packets overtake each other under jitter, this program keeps their order");
         }
+        if (jittery && !overtakes && !link_.in_order && link_.reorder <= 0) {
+            cannot(
+                "order: with a rate tc keeps the order of packets, this program lets them overtake each "
+                "other");
+        }
+    }
+
+    static std::string_view table_of(JitterShape shape) {
+        if (shape == JitterShape::kTable) return kTableName;
+        return shape == JitterShape::kParetoNormal ? "paretonormal" : to_string(shape);
     }
 
     // Standard deviations of iproute2 6.1's tables, from their 4096 values.
@@ -91,6 +102,11 @@ class TcPrinter {
 
     void print_loss() {
         const LossSettings& loss = link_.loss;
+        if (loss.shape == LossShape::kNone) return;
+        print_loss_model(loss);
+        if (link_.ecn) say("ecn");
+    }
+    void print_loss_model(const LossSettings& loss) {
         const auto say_shares = [&](std::string_view model, std::initializer_list<double> shares) {
             say("loss {}", model);
             for (const double share : shares) say("{}", print_tc_share(share));
@@ -128,7 +144,8 @@ class TcPrinter {
         const RateSettings& rate = link_.rate;
         if (rate.bits_per_s <= 0) return;
         say("rate {}", print_tc_rate(rate.bits_per_s));
-        if (rate.overhead_bytes > 0) say("{}", rate.overhead_bytes);
+        if (rate.overhead_bytes > 0 || rate.cell_bytes > 0) say("{}", rate.overhead_bytes);
+        if (rate.cell_bytes > 0) say("{} {}", rate.cell_bytes, rate.cell_overhead_bytes);
         if (rate.queue_packets > 0 || rate.queue_bytes > 0) {
             cannot(
                 "rate: tc has one limit for what queues and what is delayed, in packets; chain a tbf or "
@@ -143,7 +160,13 @@ class TcPrinter {
     void print_slot() {
         const SlotSettings& slot = link_.slot;
         if (slot.most <= Duration::zero()) return;
-        say("slot {} {}", print_tc_time(slot.least), print_tc_time(slot.most));
+        if (slot.shape == JitterShape::kUniform) {
+            say("slot {} {}", print_tc_time(slot.least), print_tc_time(slot.most));
+        } else {
+            const Duration spread = (slot.most - slot.least) / 2;
+            say("slot distribution {} {} {}", table_of(slot.shape), print_tc_time(slot.least + spread),
+                print_tc_time(spread));
+        }
         if (slot.packets > 0) say("packets {}", slot.packets);
         if (slot.bytes > 0) say("bytes {}", slot.bytes);
     }

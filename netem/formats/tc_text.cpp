@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <optional>
 #include <set>
 #include <span>
@@ -11,24 +12,23 @@
 
 #include "common/error.hpp"
 #include "netem/formats/jitter_table_file.hpp"
+#include "netem/formats/tc_command.hpp"
 #include "netem/formats/tc_units.hpp"
 #include "netem/formats/text_lines.hpp"
 
 namespace thimble {
 namespace {
 
-constexpr std::size_t kMostCharacters = 4096;
 constexpr std::size_t kMostPackets = 1'000'000;  // as many as a link may be told to hold
 constexpr Duration kMicrosecond = std::chrono::microseconds{1};
 constexpr Duration kLongestDelay = std::chrono::seconds{60};
 
 class TcParser {
   public:
-    TcParser(std::string_view text, const TableFinder& find_table)
-        : words_(words_of(text)), find_table_(find_table) {}
+    TcParser(const TcQdisc& qdisc, const TableFinder& find_table)
+        : words_(qdisc.words.begin(), qdisc.words.end()), shown_(qdisc.shown), find_table_(find_table) {}
 
     TcLink parse() {
-        skip_command();
         while (at_ < words_.size()) parse_option();
         finish();
         return std::move(result_);
@@ -49,21 +49,12 @@ class TcParser {
   private:
     static std::span<const Option> options();  // in the order in which tc looks for them
 
-    void skip_command() {
-        if (words_.empty() || words_[0] != "tc") return;
-        const auto netem = std::find(words_.begin(), words_.end(), "netem");
-        if (netem == words_.end()) {
-            fail("begins like a command, but has no \"netem\": only netem's words are read");
-        }
-        at_ = static_cast<std::size_t>(netem - words_.begin()) + 1;
-    }
-
     void parse_option() {
         const Option* option = find(words_[at_]);
         if (option == nullptr) {
             fail_word(
-                "is none of limit, delay, distribution, loss, duplicate, corrupt, reorder, gap, rate, "
-                "slot, unordered");
+                "is none of limit, delay, distribution, loss, ecn, duplicate, corrupt, reorder, gap, rate, "
+                "slot, seed, ordered, unordered, both");
         }
         option_ = option->name == "latency" ? "delay" : option->name == "drop" ? "loss" : option->name;
         if (!seen_.insert(option_).second) fail_word("stands there twice");
@@ -73,6 +64,8 @@ class TcParser {
 
     [[noreturn]] void fail(std::string_view why) const { throw Error(ExitCode::kUsage, "tc words: {}", why); }
     [[noreturn]] void fail_word(std::string_view why) const {
+        if (at_ < words_.size() && words_[at_].find('$') != std::string_view::npos)
+            why = "is a shell variable: put its value there";
         if (at_ < words_.size()) fail(fmt::format("word {}, '{}', {}", at_ + 1, words_[at_], why));
         fail(fmt::format("after '{}': {}", option_, why));
     }
@@ -115,27 +108,43 @@ class TcParser {
         }
     }
 
+    // `tc qdisc show` names its numbers ("p 1% r 10%").
+    void skip_name(std::string_view name) {
+        if (at_ < words_.size() && words_[at_] == name) ++at_;
+    }
+    double take_named_share(std::string_view name) {
+        skip_name(name);
+        return take_share();
+    }
+    double take_named_share_if_any(std::string_view name, double otherwise) {
+        skip_name(name);
+        return take_share_if_any(otherwise);
+    }
+
     void delay() {
         link().delay = take_time(kMicrosecond);
         if (!number_is_next()) return;
         link().jitter.spread = take_time(kMicrosecond);
         if (link().jitter.spread > Duration::zero()) link().jitter.shape = JitterShape::kUniform;
+        if (shown_)
+            note("delay: tc does not show a distribution, so uniform is read; add the word if there was one");
         if (!number_is_next()) return;
         link().jitter.correlation = take("a correlation such as 25%, below 100%", [](std::string_view word) {
             const auto share = parse_tc_share(word);
             return share && *share < 1 ? share : std::nullopt;
         });
     }
-    void distribution() {
-        if (at_ == words_.size())
+    void distribution() { shape_ = take_shape(table_); }
+    JitterShape take_shape(std::shared_ptr<const JitterTable>& table) {
+        if (at_ == words_.size() || number_is_next())
             fail_word("must be uniform, normal, pareto, paretonormal or a table's name");
         const std::string_view name = words_[at_++];
-        shape_ = JitterShape::kTable;
-        if (name == "paretonormal") shape_ = JitterShape::kParetoNormal;
+        if (name == "paretonormal") return JitterShape::kParetoNormal;
         for (const JitterShape shape : {JitterShape::kUniform, JitterShape::kNormal, JitterShape::kPareto}) {
-            if (name == to_string(shape)) shape_ = shape;
+            if (name == to_string(shape)) return shape;
         }
-        if (*shape_ == JitterShape::kTable) table_ = find_table_(name);
+        table = find_table_(name);
+        return JitterShape::kTable;
     }
 
     void loss() {
@@ -165,10 +174,10 @@ class TcParser {
     void gilbert_elliott() {
         LossSettings& loss = link().loss;
         loss.shape = LossShape::kGilbertElliott;
-        loss.good_to_bad = take_share();
-        loss.bad_to_good = take_share_if_any(1 - loss.good_to_bad);
-        loss.loss_in_bad = take_share_if_any(1);
-        loss.loss_in_good = take_share_if_any(0);
+        loss.good_to_bad = take_named_share("p");
+        loss.bad_to_good = take_named_share_if_any("r", 1 - loss.good_to_bad);
+        loss.loss_in_bad = take_named_share_if_any("1-h", 1);
+        loss.loss_in_good = take_named_share_if_any("1-k", 0);
         if (loss.good_to_bad + loss.bad_to_good == 0) {
             fail("loss gemodel: p and r are both 0%, so the chain never moves; say loss random");
         }
@@ -176,11 +185,11 @@ class TcParser {
     void four_state() {
         LossSettings& loss = link().loss;
         loss.shape = LossShape::kFourState;
-        loss.p13 = take_share();
-        loss.p31 = take_share_if_any(1 - loss.p13);
-        loss.p32 = take_share_if_any(0);
-        loss.p23 = take_share_if_any(1);
-        loss.p14 = take_share_if_any(0);
+        loss.p13 = take_named_share("p13");
+        loss.p31 = take_named_share_if_any("p31", 1 - loss.p13);
+        loss.p32 = take_named_share_if_any("p32", 0);
+        loss.p23 = take_named_share_if_any("p23", 1);
+        loss.p14 = take_named_share_if_any("p14", 0);
         if (loss.p13 + loss.p14 > 1) fail("loss state: p13 + p14 is above 100%");
         if (loss.p31 + loss.p32 > 1) fail("loss state: p31 + p32 is above 100%");
         if (loss.p31 == 0) fail("loss state: p31 is 0%, so a burst would never end");
@@ -198,26 +207,41 @@ class TcParser {
                 const auto rate = parse_tc_rate(word);
                 return rate && *rate > 0 ? rate : std::nullopt;
             });
-        if (at_ < words_.size() && words_[at_][0] == '-') {
+        RateSettings& rate = link().rate;
+        rate.overhead_bytes = take_bytes("packetoverhead", "an overhead in bytes");
+        rate.cell_bytes = take_bytes("cellsize", "a cell size in bytes");
+        rate.cell_overhead_bytes = take_bytes("celloverhead", "a cell overhead in bytes");
+        if (rate.cell_bytes == 0) rate.cell_overhead_bytes = 0;
+    }
+    std::size_t take_bytes(std::string_view name, std::string_view kind) {
+        skip_name(name);
+        if (at_ < words_.size() && words_[at_][0] == '-')
             fail_word("is a negative overhead: a relay sees payloads only, there is no header to take off");
-        }
-        if (number_is_next()) link().rate.overhead_bytes = take_count("an overhead in bytes", 0, 65535);
-        if (number_is_next() && take_count("a cell size in bytes", 0, 65535) > 0) {
-            --at_;
-            fail_word("is a cell size: links made of cells are not modelled; fold it into the overhead");
-        }
-        if (number_is_next()) take_count("a cell overhead in bytes", 0, 65535);
+        return number_is_next() ? take_count(kind, 0, 65535) : 0;
     }
     void slot() {
-        if (at_ < words_.size() && words_[at_] == "distribution") {
-            fail_word("is not modelled: slots are [MIN, MAX] apart, uniform");
+        SlotSettings& slot = link().slot;
+        if (take_word("distribution")) {
+            slot.shape = take_shape(slot.table);
+            const Duration mean = take_time(Duration{1}), spread = take_time(Duration{1});
+            slot.least = mean - spread;
+            slot.most = mean + spread;
+        } else {
+            slot.least = slot.most = take_time(Duration{1});
+            if (number_is_next()) slot.most = take_time(Duration{1});
         }
-        link().slot.least = link().slot.most = take_time(Duration{1});
-        if (number_is_next()) link().slot.most = take_time(Duration{1});
-        if (link().slot.most < link().slot.least) fail("slot: the second time is the longer one");
-        if (link().slot.most == Duration::zero()) fail("slot: slots of length 0 are none; remove the word");
-        if (take_word("packets")) link().slot.packets = take_count("a number of packets", 0, kMostPackets);
-        if (take_word("bytes")) link().slot.bytes = take_count("a number of bytes", 0, 4294967295);
+        if (slot.most < slot.least) fail("slot: the second time is the longer one");
+        if (slot.most == Duration::zero()) fail("slot: slots of length 0 are none; remove the word");
+        if (take_word("packets")) slot.packets = take_count("a number of packets", 0, kMostPackets);
+        if (take_word("bytes")) slot.bytes = take_count("a number of bytes", 0, 4294967295);
+    }
+    void seed() {
+        result_.seed = take("a whole number", [](std::string_view word) {
+            std::uint64_t value = 0;
+            const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+            return error == std::errc{} && end == word.data() + word.size() ? std::optional(value)
+                                                                            : std::nullopt;
+        });
     }
     bool take_word(std::string_view name) {
         if (at_ == words_.size() || !name.starts_with(words_[at_])) return false;
@@ -242,6 +266,16 @@ class TcParser {
         } else if (gap_.value_or(0) > 0) {
             fail("gap says how often packets are reordered: give reorder, too");
         }
+        if (link().ecn && link().loss.shape == LossShape::kNone)
+            fail("ecn marks packets instead of losing them: give a loss, too");
+        // The kernel queues by the time of leaving. With a rate no packet leaves before the one in front of it.
+        const bool overtakes = jitter.shape != JitterShape::kNone && link().rate.bits_per_s == 0;
+        if (ordered_) {
+            if (*ordered_ && link().reorder > 0) fail("ordered contradicts reorder");
+            link().in_order = *ordered_;
+        } else if (overtakes) {
+            link().in_order = false;
+        }
         if (seen_.count("limit") == 0) link().capacity = enough_capacity();
         if (jitter.spread > link().delay) {
             note(
@@ -259,6 +293,7 @@ class TcParser {
     LinkSettings& link() { return result_.link; }
 
     std::vector<std::string_view> words_;
+    bool shown_;  // by tc
     const TableFinder& find_table_;
     std::size_t at_ = 0;
     std::string_view option_ = "netem";
@@ -267,24 +302,19 @@ class TcParser {
     std::optional<JitterShape> shape_;
     std::shared_ptr<const JitterTable> table_;
     std::optional<std::size_t> gap_;
+    std::optional<bool> ordered_;
 };
 
 std::span<const TcParser::Option> TcParser::options() {
-    static constexpr std::array<Option, 15> kOptions{{
+    static constexpr std::array<Option, 17> kOptions{{
         {"limit",
          [](TcParser& p) { p.link().capacity = p.take_count("a number of packets", 1, kMostPackets); }},
         {"latency", [](TcParser& p) { p.delay(); }},
         {"delay", [](TcParser& p) { p.delay(); }},
         {"loss", [](TcParser& p) { p.loss(); }},
         {"drop", [](TcParser& p) { p.loss(); }},
-        {"seed",
-         [](TcParser& p) { p.fail("seed is the run's, not the link's: give it to the program (--seed)"); }},
-        {"ecn",
-         [](TcParser& p) {
-             p.fail(
-                 "ecn marks the IP header instead of losing the packet, and a relay sees payloads only; "
-                 "leave it out");
-         }},
+        {"seed", [](TcParser& p) { p.seed(); }},
+        {"ecn", [](TcParser& p) { p.link().ecn = true; }},
         {"reorder", [](TcParser& p) { p.share_of(p.link().reorder); }},
         {"corrupt", [](TcParser& p) { p.share_of(p.link().corrupt); }},
         {"gap", [](TcParser& p) { p.gap_ = p.take_count("a number of packets", 0, kMostPackets); }},
@@ -292,27 +322,23 @@ std::span<const TcParser::Option> TcParser::options() {
         {"distribution", [](TcParser& p) { p.distribution(); }},
         {"rate", [](TcParser& p) { p.rate(); }},
         {"slot", [](TcParser& p) { p.slot(); }},
-        {"unordered", [](TcParser& p) { p.link().in_order = false; }},
+        {"unordered", [](TcParser& p) { p.ordered_ = false; }},
+        {"ordered", [](TcParser& p) { p.ordered_ = true; }},
+        {"both", [](TcParser& p) { p.result_.both = true; }},
     }};
     return kOptions;
 }
 
 }  // namespace
 
-TcLink parse_tc_words(std::string_view text, const TableFinder& find_table) {
-    if (text.size() > kMostCharacters) {
-        throw Error(ExitCode::kUsage, "tc words: more than {} characters", kMostCharacters);
-    }
-    return TcParser(text, find_table).parse();
+TcLink parse_netem_words(const TcQdisc& qdisc, const TableFinder& find_table) {
+    return TcParser(qdisc, find_table).parse();
 }
 
-TcLink parse_tc_words(std::string_view text) { return parse_tc_words(text, find_jitter_table); }
-
 bool looks_like_tc_words(std::string_view text) {
+    if (looks_like_tc_commands(text)) return true;
     const std::vector<std::string_view> words = words_of(text);
-    if (words.size() < 2) return false;
-    if (words[0] == "tc") return true;
-    return TcParser::find(words[0]) != nullptr;
+    return words.size() > 1 && TcParser::find(words[0]) != nullptr;
 }
 
 }  // namespace thimble

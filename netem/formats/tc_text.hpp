@@ -1,11 +1,13 @@
 // Link settings in tc-netem's own words (grammar: man tc-netem of iproute2 6.1; units: man tc), both ways.
 //   delay 50ms 10ms 25% distribution normal loss 0.5% duplicate 1% corrupt 0.1% reorder 25% gap 5 rate 1mbit limit 1000
 //   slot 800us 10ms packets 42 bytes 64k      loss gemodel 1% 10% 70% 0.1%      loss state 1% 20% 10% 30% 0.1%
-// What the words mean here and not in tc stands in docs/network-profiles.md.
+// Command lines and the output of `tc qdisc show` hold such words, too (tc_command.hpp). docs/network-profiles.md says
+// where a word means another thing than in tc.
 #pragma once
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,19 +18,35 @@ namespace thimble {
 
 struct TcLink {
     LinkSettings link;
-    std::vector<std::string> notes;  // what was left out or means another thing here, a sentence each
+    std::vector<std::string> notes;       // what was left out or means another thing here, a sentence each
+    std::optional<std::uint64_t> seed{};  // of the random numbers
+    bool both = false;                    // for both ways
+};
+
+// A qdisc holds for what leaves its device. So words are the way up alone, unless they say `both` or belong to an ifb device,
+// which stands for what comes in. Of two devices the first is the way up and the second the way down.
+struct TcWays {
+    LinkSettings up, down;
+    bool one_way = false;  // nothing was said about the way down
+    std::vector<std::string> notes;
+    std::optional<std::uint64_t> seed{};
 };
 
 // Finds the table of `distribution NAME` beyond tc's four; throws Error if there is none.
 using TableFinder = std::function<std::shared_ptr<const JitterTable>(std::string_view name)>;
 
-// A whole command, "tc qdisc add dev eth0 root netem ...", may be given as it is. Keywords may be cut as tc allows
-// ("dist", "dup"). One word is ours: "unordered" lets packets overtake each other under jitter, as tc always does.
+// Keywords may be cut as tc allows ("dist", "dup"). Three words are ours. "ordered" keeps the order of packets under jitter,
+// which tc does only with a rate. "unordered" lets them overtake each other then, too. "both" is for both ways.
 // Throws Error (usage) that names the word and what may stand there.
+TcWays parse_tc(std::string_view text, const TableFinder& find_table);
+TcWays parse_tc(std::string_view text);  // tables from files (find_jitter_table)
+struct TcQdisc;                          // tc_command.hpp
+TcLink parse_netem_words(const TcQdisc& qdisc, const TableFinder& find_table);
+// The way up of them.
 TcLink parse_tc_words(std::string_view text, const TableFinder& find_table);
-TcLink parse_tc_words(std::string_view text);  // tables from files (find_jitter_table)
+TcLink parse_tc_words(std::string_view text);
 
-// Whether `text` is meant as tc's words rather than a name or a path: it has several words, the first one tc's.
+// Whether `text` is meant as tc's words rather than a name or a path: it has several words, the first one tc's, or names tc.
 bool looks_like_tc_words(std::string_view text);
 
 struct TcCommands {
@@ -38,7 +56,7 @@ struct TcCommands {
 };
 
 // parse_tc_words(print_tc(x).words) is x for all that tc can express: jitter other than gamma, corruption of one
-// bit, order kept unless `reorder` is asked for, no outages, traces, limits of the rate's own queue.
+// bit, order kept unless there is `reorder`, or jitter without a rate; no outages, traces, limits of the rate's own queue.
 TcCommands print_tc(const LinkSettings& link, std::string_view device);
 
 }  // namespace thimble

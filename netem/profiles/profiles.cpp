@@ -82,11 +82,14 @@ void read_changes(const ConfigFile& file, const FileFinder& find, LinkProfile& p
 }
 
 LinkProfile of_words(const std::string& words) {
-    TcLink tc = parse_tc_words(words);
+    TcWays tc = parse_tc(words);
     LinkProfile profile;
     profile.name = words;
-    profile.source = {"tc's words, the same both ways"};
-    profile.up = profile.down = tc.link;
+    profile.source = {"tc's words"};
+    profile.up = std::move(tc.up);
+    profile.down = std::move(tc.down);
+    profile.one_way = tc.one_way;
+    profile.seed = tc.seed;
     profile.notes = std::move(tc.notes);
     return profile;
 }
@@ -162,7 +165,7 @@ LinkSources session_sources(const std::filesystem::path& folder, Way way, const 
             throw Error(ExitCode::kUsage, "{}: changes with time, which a session says in [[timeline]]",
                         name);
         }
-        return up ? profile.up : profile.down;
+        return up || profile.one_way ? profile.up : profile.down;
     };
     return sources;
 }

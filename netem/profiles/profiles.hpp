@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,7 +25,9 @@ struct LinkProfile {
     std::vector<std::string> source;
     LinkSettings up, down;
     Timeline up_changes, down_changes;
-    std::vector<std::string> notes{};  // what of tc's words was left out or means another thing here
+    std::vector<std::string> notes{};     // what of tc's words was left out or means another thing here
+    bool one_way = false;                 // tc's words, which say nothing about the way down
+    std::optional<std::uint64_t> seed{};  // of tc's words
 };
 
 struct BuiltInFile {
@@ -39,8 +42,8 @@ const std::vector<std::string_view>& profile_names();
 // A built-in profile by name, null if there is none. All are read at the first call and kept: later ones take no time.
 const LinkProfile* built_in_profile(std::string_view name);
 
-// A built-in profile by name ("leo"), a file ("my/lab.toml"), or tc's words ("delay 50ms loss 1%", tc_text.hpp), which
-// then hold both ways. Throws Error (usage), naming the profiles there are.
+// A built-in profile by name ("leo"), a file ("my/lab.toml"), or tc's words ("delay 50ms loss 1%", tc_text.hpp), which are
+// the way up unless they say otherwise. Throws Error (usage), naming the profiles there are.
 LinkProfile load_profile(const std::string& given);
 LinkProfile parse_profile(std::string_view text, std::string_view name, const FileFinder& find);
 // The tables of a profile; keys that it does not know are left to file.finish().
@@ -48,7 +51,7 @@ LinkProfile read_profile(const ConfigFile& file, std::string_view name, const Fi
 
 enum class Way : std::uint8_t { kUp, kDown };
 // For one direction of a session file in `folder`: tables and traces beside it, and `profile = ` anything that
-// load_profile takes, a file first sought in `folder`. A profile whose settings change with time is refused: the
+// load_profile takes, a file first sought in `folder`; tc's words are that one direction's. A profile whose settings change with time is refused: the
 // session's own [[timeline]] is the place for that. `read` hears the name, as seen from `folder`, of every file that is
 // read.
 using FileRead = std::function<void(std::string_view name)>;

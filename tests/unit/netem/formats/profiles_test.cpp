@@ -107,11 +107,11 @@ TEST(Profiles, UnknownNamesAreAnsweredWithThoseThereAre) {
     EXPECT_THAT(refusal([] { load_profile("5g"); }, ExitCode::kUsage), HasSubstr("ideal, paper50"));
 }
 
-TEST(Profiles, TcsWordsHoldBothWays) {
+TEST(Profiles, TcsWordsAreTheWayUp) {
     const LinkProfile profile = load_profile("delay 50ms 10ms duplicate 1% 20%");
     EXPECT_EQ(profile.up, parse_tc_words("delay 50ms 10ms duplicate 1%").link);
-    EXPECT_EQ(profile.up, profile.down);
-    EXPECT_EQ(profile.notes.size(), 1U);
+    EXPECT_EQ(profile.down, LinkSettings{});
+    EXPECT_THAT(profile.notes, testing::ElementsAre(HasSubstr("duplicate"), HasSubstr("the way up only")));
 }
 
 TEST(ProfileLink, KeysOfOneDirection) {
@@ -128,6 +128,10 @@ corrupt = 0.03
 corrupt_bits = 8
 reorder = 0.1
 reorder_gap = 3
+ecn = true
+rate_cell_bytes = 48
+rate_cell_overhead_bytes = 5
+slot_shape = "pareto"
 in_order = false
 rate_bits_per_s = 1e6
 rate_overhead_bytes = 42
@@ -155,15 +159,16 @@ every_s = 20
     link.reorder = 0.1;
     link.reorder_gap = 3;
     link.in_order = false;
-    link.rate = {1e6, 42, 10, 1000, Drop::kHead};
-    link.slot = {milliseconds{1}, milliseconds{10}, 5, 500};
+    link.ecn = true;
+    link.rate = {1e6, 42, 10, 1000, Drop::kHead, 48, 5};
+    link.slot = {milliseconds{1}, milliseconds{10}, 5, 500, JitterShape::kPareto};
     link.outages = {{seconds{10}, seconds{1}, seconds{20}}};
     EXPECT_EQ(profile.up, link);
     EXPECT_NEAR(stationary_loss(profile.up.loss), 0.01, 1e-12);
     EXPECT_EQ(profile.down, LinkSettings{});
     // A new part must be named here, set above, and written.
-    const auto& [delay, jitter, loss, duplicate, corrupt, corrupt_bits, reorder, reorder_gap, in_order, rate,
-                 slot, outages, trace, deliveries, capacity] = link;
+    const auto& [delay, jitter, loss, duplicate, corrupt, corrupt_bits, reorder, reorder_gap, in_order, ecn,
+                 rate, slot, outages, trace, deliveries, capacity] = link;
     link.capacity = capacity + 10'000;
     link.outages.clear();     // not written
     link.delay = seconds{5};  // which a reader doubts without its unit

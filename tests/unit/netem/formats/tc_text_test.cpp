@@ -47,8 +47,16 @@ TEST(TcWords, JitterIsUniformWithoutADistribution) {
     EXPECT_EQ(link.jitter.shape, JitterShape::kUniform);
     EXPECT_EQ(link.jitter.spread, milliseconds{10});
     EXPECT_EQ(link.jitter.correlation, 0.25);
-    EXPECT_TRUE(link.in_order);
-    EXPECT_FALSE(parsed_words("delay 50ms 10ms unordered").in_order);
+}
+
+// The kernel queues by the time of leaving; with a rate it counts from the packet in front.
+TEST(TcWords, JitterReordersAsInTheKernel) {
+    EXPECT_TRUE(parsed_words("delay 50ms").in_order);
+    EXPECT_FALSE(parsed_words("delay 50ms 10ms").in_order);
+    EXPECT_TRUE(parsed_words("delay 50ms 10ms rate 1mbit").in_order);
+    EXPECT_TRUE(parsed_words("delay 50ms 10ms ordered").in_order);
+    EXPECT_FALSE(parsed_words("delay 50ms 10ms rate 1mbit unordered").in_order);
+    EXPECT_FALSE(parsed_words("delay 50ms reorder 1%").in_order);
 }
 
 TEST(TcWords, DistributionsByName) {
@@ -106,9 +114,15 @@ TEST(TcWords, TheRest) {
     EXPECT_EQ(all.link.rate.bits_per_s, 1e6);
     EXPECT_EQ(all.link.rate.overhead_bytes, 20U);
     EXPECT_EQ(all.link.capacity, 1000U);
+    EXPECT_EQ(parsed_words("rate 5kbit 20 100 5").rate, (RateSettings{5e3, 20, 0, 0, Drop::kTail, 100, 5}));
+    EXPECT_EQ(parsed_words("slot distribution paretonormal 5ms 2ms bytes 64k").slot,
+              (SlotSettings{milliseconds{3}, milliseconds{7}, 0, 65536, JitterShape::kParetoNormal}));
+    EXPECT_TRUE(parsed_words("loss 1% ecn").ecn);
+    EXPECT_EQ(parse_tc_words("loss 1% seed 7").seed, 7U);
     EXPECT_EQ(all.link.slot, (SlotSettings{microseconds{800}, milliseconds{10}, 42, 65536}));
-    EXPECT_THAT(all.notes, testing::ElementsAre(HasSubstr("reorder: the correlation of 50%")));
-    EXPECT_THAT(parse_tc_words("duplicate 1% 0% corrupt 1% 0%").notes, IsEmpty());
+    EXPECT_THAT(all.notes,
+                testing::ElementsAre(HasSubstr("reorder: the correlation of 50%"), HasSubstr("way up only")));
+    EXPECT_THAT(parse_tc_words("duplicate 1% 0% corrupt 1% 0% both").notes, IsEmpty());
 }
 
 TEST(TcWords, TheQueueHoldsWhatTheDelayNeeds) {
@@ -143,8 +157,9 @@ TEST(TcWords, RefusalsSayWhatAndWhy) {
         {"loss state 1% 0%", "never end"},
         {"loss state 1% 50% 10% 0%", "never end"},
         {"loss ecn", "must be a share"},
-        {"ecn", "payloads only"},
-        {"seed 5", "--seed"},
+        {"ecn", "give a loss"},
+        {"seed x", "a whole number"},
+        {"delay 5ms reorder 1% ordered", "contradicts"},
         {"distribution normal", "needs a delay and a jitter"},
         {"delay 5ms 1ms distribution", "must be uniform"},
         {"delay 5ms 1ms distribution no_such_table", "neither uniform"},
@@ -152,12 +167,11 @@ TEST(TcWords, RefusalsSayWhatAndWhy) {
         {"gap 5", "give reorder"},
         {"rate 0", "above 0"},
         {"rate 1mbit -14", "negative overhead"},
-        {"rate 5kbit 20 100 5", "cell size"},
         {"limit 0", "from 1 to 1000000"},
         {"slot 10ms 1ms", "second time is the longer"},
-        {"slot distribution normal 1ms 1ms", "not modelled"},
+        {"slot distribution 1ms 1ms", "must be uniform"},
         {"tc qdisc add dev eth0 root tbf rate 1mbit", "no \"netem\""},
-        {std::string(5000, ' '), "characters"}};
+        {std::string(70000, 'x'), "characters"}};
     for (const auto& [words, reason] : cases) EXPECT_THAT(tc_refusal_of(words), HasSubstr(reason)) << words;
 }
 
@@ -245,6 +259,8 @@ LinkSettings any_link() {
     if (*rc::gen::arbitrary<bool>()) {
         link.rate.bits_per_s = any_share() * *rc::gen::element(1e3, 1e7, 1e10);
         link.rate.overhead_bytes = *rc::gen::inRange<std::size_t>(0, 1000);
+        link.rate.cell_bytes = *rc::gen::inRange<std::size_t>(0, 100);
+        if (link.rate.cell_bytes > 0) link.rate.cell_overhead_bytes = *rc::gen::inRange<std::size_t>(0, 10);
     }
     if (*rc::gen::arbitrary<bool>()) {
         link.slot.least = Duration{*rc::gen::inRange(0, 1'000'000)};
@@ -252,6 +268,13 @@ LinkSettings any_link() {
         link.slot.packets = *rc::gen::inRange<std::size_t>(0, 100);
         link.slot.bytes = *rc::gen::inRange<std::size_t>(0, 1'000'000);
     }
+    if (link.slot.most > Duration::zero() && *rc::gen::arbitrary<bool>()) {
+        link.slot.shape = *rc::gen::element(JitterShape::kNormal, JitterShape::kPareto);
+        link.slot.most +=
+            Duration{(link.slot.most - link.slot.least).count() % 2};  // a mean of whole nanoseconds
+    }
+    if (link.loss.shape != LossShape::kNone) link.ecn = *rc::gen::arbitrary<bool>();
+    if (link.jitter.shape != JitterShape::kNone && link.rate.bits_per_s == 0) link.in_order = false;
     link.capacity = *rc::gen::inRange<std::size_t>(1, 1'000'001);
     return link;
 }
@@ -272,7 +295,11 @@ TEST(TcPrint, CommandReadsAsTcsDocumentation) {
     EXPECT_EQ(printed.command,
               "tc qdisc add dev eth0 root netem limit 1000 delay 50ms 10ms distribution normal "
               "loss random 0.5%");
-    EXPECT_THAT(printed.cannot, testing::ElementsAre(HasSubstr("overtake")));
+    EXPECT_THAT(printed.cannot, IsEmpty());
+    EXPECT_THAT(print_tc(parsed_words("delay 50ms 10ms ordered"), "eth0").cannot,
+                testing::ElementsAre(HasSubstr("overtake")));
+    EXPECT_THAT(print_tc(parsed_words("delay 50ms 10ms rate 1mbit unordered"), "eth0").cannot,
+                Contains(HasSubstr("with a rate tc keeps the order")));
     EXPECT_THAT(print_tc(parsed_words("delay 50ms"), "eth0").cannot, IsEmpty());
 }
 
@@ -283,8 +310,8 @@ TEST(TcPrint, WhatTcCannotDoIsNamed) {
     link.rate.queue_packets = 10;
     link.outages.push_back({});
     const auto cannot = print_tc(link, "eth0").cannot;
-    for (const char* what : {"microseconds", "50 % of the spread", "overtake", "0.82", "not 8", "tbf",
-                             "oldest", "Ethernet header", "outages"}) {
+    for (const char* what : {"microseconds", "50 % of the spread", "0.82", "not 8", "tbf", "oldest",
+                             "Ethernet header", "outages"}) {
         EXPECT_THAT(cannot, Contains(HasSubstr(what))) << what;
     }
     link.jitter.shape = JitterShape::kGamma;
