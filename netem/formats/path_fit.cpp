@@ -12,6 +12,7 @@
 #include "common/error.hpp"
 #include "common/math/portable.hpp"
 #include "common/math/real.hpp"
+#include "netem/link_model.hpp"
 #include "netem/link_reader.hpp"
 #include "netem/stages/delay_shape.hpp"
 
@@ -142,6 +143,46 @@ void fit_delay(const MeasuredPath& path, PathFit& fit) {
     fit.link.jitter.correlation = notable ? std::round(std::min(fit.correlation, 0.999) * 1000) / 1000 : 0;
 }
 
+// Counts arrivals in the order of sending. Without times of sending there is no order to see.
+std::size_t count_reordered(const MeasuredPath& path) {
+    if (path.by_packet) return 0;
+    std::size_t reordered = 0;
+    std::int64_t latest = INT64_MIN;
+    for (const MeasuredPacket& packet : path.packets) {
+        if (!is_received(packet)) continue;
+        const std::int64_t arrival = packet.at + packet.delay->count();
+        reordered += arrival < latest ? 1 : 0;
+        latest = std::max(latest, arrival);
+    }
+    return reordered;
+}
+
+// The same packets on a link with the jitter that was fitted and no order to keep.
+std::size_t count_overtaking(const MeasuredPath& path, LinkSettings link) {
+    link.in_order = false;
+    link.loss = {};
+    link.capacity = std::max<std::size_t>(1, path.packets.size());
+    LinkModel model(link, StreamKey{}, 0);
+    constexpr std::array<std::uint8_t, 1> kByte{};
+    for (const MeasuredPacket& packet : path.packets) {
+        if (!is_received(packet)) continue;
+        const SessionTime now = from_nanoseconds(packet.at);
+        while (!model.pop_due(now).empty()) {
+        }
+        model.push(now, kByte);
+    }
+    while (model.next_due() != kNever) model.pop_due(model.next_due());
+    return model.counters().reordered;
+}
+
+// A little overtaking beside jitter that would give much is of another kind: order is kept then.
+void fit_order(const MeasuredPath& path, PathFit& fit) {
+    fit.reordered = count_reordered(path);
+    if (fit.reordered == 0 || fit.link.jitter.shape == JitterShape::kNone) return;
+    fit.would_overtake = count_overtaking(path, fit.link);
+    fit.link.in_order = 2 * fit.reordered <= fit.would_overtake;
+}
+
 // Numbers of pairs of successive packets.
 struct Transitions {
     double stay_received = 0, to_lost = 0, to_received = 0, stay_lost = 0;
@@ -202,6 +243,18 @@ void fit_loss(const MeasuredPath& path, PathFit& fit) {
     loss.shape = LossShape::kGilbertElliott;
     loss.good_to_bad = t.to_lost / (t.stay_received + t.to_lost);
     loss.bad_to_good = t.to_received / (t.to_received + t.stay_lost);
+}
+
+void describe_order(PathFit& fit) {
+    if (fit.reordered == 0) return;
+    const std::string seen = fmt::format("{} packets arrive after one that was sent later", fit.reordered);
+    if (fit.link.jitter.shape == JitterShape::kNone) {
+        return fit.sentences.push_back(seen +
+                                       "; without jitter the profile has nothing like it: replay the trace.");
+    }
+    fit.sentences.push_back(fmt::format(
+        "{}; a link with this jitter that keeps no order has {}, so the profile {}.", seen,
+        fit.would_overtake, fit.link.in_order ? "keeps their order" : "lets packets overtake each other"));
 }
 
 std::string verdict_on(double distance) {
@@ -296,7 +349,9 @@ PathFit fit_path(const MeasuredPath& path) {
     const auto needed =
         static_cast<std::size_t>((fit.link.delay + fit.link.jitter.spread).count() / 1'000'000 + 1);
     fit.link.capacity = std::max(fit.link.capacity, 2 * needed);  // as a session file without the key
+    fit_order(path, fit);
     describe_delay(fit);
+    describe_order(fit);
     describe_loss(fit);
     return fit;
 }

@@ -4,7 +4,8 @@
 // theirs by the Kolmogorov-Smirnov distance; lag-1 correlation of normal scores, which is the coefficient of the
 // link's AR(1) Gaussian. Loss: share p, or where the likelihood ratio of a chain that remembers the packet before
 // against one that does not exceeds chance (G test, 1 degree of freedom, 0.1 %), the Gilbert model's p = n01 / n0 and
-// r = n10 / n1, its maximum likelihood. Where the path cuts off its only burst one of them would be 0: then the share
+// r = n10 / n1, its maximum likelihood. Order: not kept if more than half as many packets overtook others as would on a link
+// that lets them. Where the path cuts off its only burst one of them would be 0: then the share
 // and the length that was seen.
 #pragma once
 
@@ -30,8 +31,11 @@ struct PathFit {
     double delay_99_s = 0;         // quantile 0.99 of the measured
     std::vector<ShapeFit> shapes;  // the best first
     double correlation = 0;        // as measured, may be negative; the link's is at least 0
-    double loss_g = 0;             // likelihood ratio G of memory against none
-    double mean_burst = 0;         // lost packets in a row
+    std::size_t reordered = 0;     // received after one that was sent later (RFC 4737)
+    std::size_t would_overtake =
+        0;                  // of the same packets on the fitted link, if it does not keep their order
+    double loss_g = 0;      // likelihood ratio G of memory against none
+    double mean_burst = 0;  // lost packets in a row
     std::size_t longest_burst = 0;
     std::string_view burst_cut_at{};     // "beginning" or "end" of the path, which cuts off the only burst
     std::vector<std::string> sentences;  // for people

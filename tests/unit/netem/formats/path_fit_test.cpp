@@ -66,6 +66,25 @@ MeasuredPath delayed_path(int packets, const DelayOf& delay_of) {
     return path;
 }
 
+// 1 kHz with a jitter of many periods: nearly every packet overtakes or is overtaken.
+TEST(PathFit, KeepsReorderingAndOrder) {
+    MeasuredPath path = path_with({JitterShape::kNormal, milliseconds{8}, 0}, milliseconds{50}, 5);
+    const PathFit overtaking = fit_path(path);
+    EXPECT_FALSE(overtaking.link.in_order);
+    EXPECT_NEAR(static_cast<double>(overtaking.reordered), static_cast<double>(overtaking.would_overtake),
+                300);
+    EXPECT_THAT(overtaking.sentences, Contains(HasSubstr("lets packets overtake each other")));
+    EXPECT_FALSE(read_back(overtaking.link).in_order);
+    std::int64_t latest = 0;
+    for (MeasuredPacket& packet : path.packets) {
+        latest = std::max(latest, packet.at + packet.delay->count());
+        packet.delay = Duration{latest - packet.at};
+    }
+    const PathFit in_order = fit_path(path);
+    EXPECT_TRUE(in_order.link.in_order);
+    EXPECT_EQ(in_order.reordered, 0U);
+}
+
 TEST(PathFit, SaysWhenNoShapeIsLikeIt) {
     const auto path = delayed_path(1000, [](int i) { return milliseconds{i % 2 == 0 ? 10 : 40}; });
     const PathFit fit = fit_path(path);
