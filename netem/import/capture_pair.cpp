@@ -10,8 +10,9 @@
 namespace thimble {
 namespace {
 
-// Where the clocks run apart by more than this, a remark says so.
-constexpr double kNotableDrift = 5e-6;
+// A rate of the clocks above both limits gets a remark.
+constexpr double kNotableDrift = 5e-6, kNotableErrors = 5;
+constexpr std::size_t kDriftBlocks = 12, kLeastInBlock = 5;
 
 std::vector<CapturedDatagram> flow_of(const Capture& capture, std::optional<std::uint16_t> port) {
     std::vector<CapturedDatagram> flow;
@@ -132,10 +133,12 @@ class Matcher {
                 "Delays are differences of two machines' stamps and no better than their clocks agree; none "
                 "is below 0, which is necessary, not sufficient.");
         }
-        if (const double drift = clock_drift(); std::abs(drift) > kNotableDrift) {
-            remarks.push_back(fmt::format(
-                "The least delay moves by {:+.1f} us per second: the clocks run apart, or the path changes.",
-                1e6 * drift));
+        if (const Drift drift = clock_drift(); drift.notable()) {
+            remarks.push_back(
+                fmt::format("The least delay moves by {:+.1f} us per second (standard error {:.1f}): the "
+                            "clocks run apart, or the path "
+                            "changes.",
+                            1e6 * drift.rate, 1e6 * drift.error));
         }
         if (pair_.ambiguous > 0) {
             remarks.push_back(fmt::format(
@@ -145,19 +148,50 @@ class Matcher {
         }
     }
 
-    // Between the quickest packets of the first and of the last third.
-    double clock_drift() const {
+    struct Drift {
+        double rate = 0, error = 0;  // both without a unit
+        bool notable() const {
+            return std::abs(rate) > kNotableDrift && std::abs(rate) > kNotableErrors * error;
+        }
+    };
+
+    // The line through the quickest packets of equal blocks. Jitter alone moves the least delay of a block, so one clock has a
+    // slope, too. The distances of the packets from the line give the error of that slope.
+    Drift clock_drift() const {
         const auto& packets = pair_.path.packets;
-        if (packets.size() < 30) return 0;
-        const auto third = static_cast<std::ptrdiff_t>(packets.size() / 3);
+        const std::size_t size = packets.size() / kDriftBlocks;
+        if (size < kLeastInBlock) return {};
         const auto quicker = [](const MeasuredPacket& a, const MeasuredPacket& b) {
             return a.delay.value_or(Duration::max()) < b.delay.value_or(Duration::max());
         };
-        const auto early = std::min_element(packets.begin(), packets.begin() + third, quicker);
-        const auto late = std::min_element(packets.end() - third, packets.end(), quicker);
-        if (!early->delay || !late->delay) return 0;
-        return static_cast<double>((*late->delay - *early->delay).count()) /
-               static_cast<double>(late->at - early->at);
+        std::vector<MeasuredPacket> quickest;
+        quickest.reserve(kDriftBlocks);
+        for (std::size_t i = 0; i < kDriftBlocks; ++i) {
+            const auto first = packets.begin() + static_cast<std::ptrdiff_t>(i * size);
+            const auto found = std::min_element(first, first + static_cast<std::ptrdiff_t>(size), quicker);
+            if (found->delay) quickest.push_back(*found);
+        }
+        return slope_of(quickest);
+    }
+
+    static Drift slope_of(const std::vector<MeasuredPacket>& points) {
+        if (points.size() < 3) return {};
+        const auto n = static_cast<double>(points.size());
+        double mean_x = 0, mean_y = 0, xx = 0, xy = 0, yy = 0;
+        for (const MeasuredPacket& point : points) {
+            mean_x += static_cast<double>(point.at) / n;
+            mean_y += static_cast<double>(point.delay->count()) / n;
+        }
+        for (const MeasuredPacket& point : points) {
+            const double x = static_cast<double>(point.at) - mean_x;
+            const double y = static_cast<double>(point.delay->count()) - mean_y;
+            xx += x * x;
+            xy += x * y;
+            yy += y * y;
+        }
+        if (xx <= 0) return {};
+        const double rate = xy / xx;
+        return {rate, std::sqrt(std::max(0.0, yy - rate * xy) / (n - 2) / xx)};
     }
 
     const CapturePairOptions& options_;

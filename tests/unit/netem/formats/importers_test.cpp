@@ -1,9 +1,12 @@
 // irtt, ping and pairs of captures: what measuring programs write becomes a path.
 #include "netem/import/importers.hpp"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/random.hpp"
 #include "netem/formats/trace_files.hpp"
 #include "tests/refusal.hpp"
 #include "tests/unit/netem/formats/capture_writer.hpp"
@@ -337,6 +340,25 @@ TEST(CapturePair, ClocksThatRunApartAreSaid) {
     const CapturePair pair =
         match_captures(parse_capture(sent.bytes(), "a"), parse_capture(received.bytes(), "b"), {});
     EXPECT_THAT(pair.path.remarks, Contains(HasSubstr("+100.0 us per second")));
+}
+
+// The least of a normal jitter wanders by itself. One clock must not seem to run apart from itself for that.
+TEST(CapturePair, JitterAloneIsNoRateOfClocks) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        RandomStream random(StreamKey{.study = seed});
+        Capture sent, received;
+        for (int i = 0; i < 3000; ++i) {
+            const std::int64_t at_ns = std::int64_t{i} * 1'000'000;
+            const std::int64_t delay_ns = 50'000'000 + std::llround(5e6 * random.normal());
+            const auto payload = static_cast<std::size_t>(i);
+            sent.datagrams.push_back({.stamp_ns = at_ns, .payload_bytes = 8, .payload_hash = payload});
+            received.datagrams.push_back(
+                {.stamp_ns = at_ns + delay_ns, .payload_bytes = 8, .payload_hash = payload});
+        }
+        EXPECT_THAT(match_captures(sent, received, {}).path.remarks,
+                    testing::Not(Contains(HasSubstr("per second"))))
+            << seed;
+    }
 }
 
 }  // namespace
