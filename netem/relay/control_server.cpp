@@ -23,7 +23,8 @@ namespace {
 constexpr std::size_t kLongestAnswerBytes = 65536;
 constexpr int kStopLatency_ms = 50;
 constexpr int kPatience_ms = 5000;
-constexpr std::chrono::seconds kRelayPatience{2};
+constexpr Duration kAskerPatience = std::chrono::seconds{2};
+constexpr std::size_t kMostAskers = 16;
 
 struct Address {
     sockaddr_un name{};
@@ -44,7 +45,7 @@ Address address_of(const std::filesystem::path& path) {
 }
 
 int open_socket() {
-    const int opened = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    const int opened = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (opened < 0) {
         throw Error(ExitCode::kNetwork, "cannot open a control socket: {}", std::strerror(errno));
     }
@@ -58,7 +59,8 @@ void remove_stale(const std::filesystem::path& path) {
     if (S_ISSOCK(found.st_mode)) {
         Address address = address_of(path);
         const int probe = open_socket();
-        const bool dead = connect(probe, address.raw(), address.size) != 0 && errno == ECONNREFUSED;
+        const bool refused = connect(probe, address.raw(), address.size) != 0;
+        const bool dead = refused && (errno == ECONNREFUSED || errno == EPROTOTYPE);  // or of another kind
         close(probe);
         if (dead && unlink(path.c_str()) == 0) return;
     }
@@ -72,7 +74,7 @@ int listen_at(const std::filesystem::path& path) {
     remove_stale(path);
     const int opened = open_socket();
     if (fchmod(opened, 0600) != 0 || bind(opened, address.raw(), address.size) != 0 ||
-        chmod(path.c_str(), 0600) != 0) {
+        chmod(path.c_str(), 0600) != 0 || listen(opened, static_cast<int>(kMostAskers)) != 0) {
         const std::string why = std::strerror(errno);
         close(opened);
         throw Error(ExitCode::kNetwork, "--control: cannot make '{}': {}", path.string(), why);
@@ -93,35 +95,61 @@ ControlServer::ControlServer(const std::filesystem::path& path)
 ControlServer::~ControlServer() {
     stop_ = true;
     thread_.join();
+    for (const Asker& asker : askers_) close(asker.socket);
     close(socket_);
     unlink(path_.c_str());
 }
 
 void ControlServer::run() {
     block_signals();
+    std::vector<pollfd> wanted;
     while (!stop_) {
-        if (readable(socket_, kStopLatency_ms)) answer_one();
+        wanted.assign(1, {socket_, POLLIN, 0});
+        for (const Asker& asker : askers_) wanted.push_back({asker.socket, POLLIN, 0});
+        if (poll(wanted.data(), wanted.size(), kStopLatency_ms) > 0 && (wanted[0].revents & POLLIN) != 0)
+            let_in();
+        look_at_askers();
     }
 }
 
+// One more is turned away. Silent ones keep their places for kAskerPatience.
+void ControlServer::let_in() {
+    const int asker = accept4(socket_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (asker < 0) return;
+    if (askers_.size() < kMostAskers) {
+        askers_.push_back({asker, wall_now() + kAskerPatience});
+    } else {
+        close(asker);
+    }
+}
+
+void ControlServer::look_at_askers() {
+    std::erase_if(askers_, [&](const Asker& asker) {
+        if (!answer_one(asker.socket) && wall_now() < asker.until) return false;
+        close(asker.socket);
+        return true;
+    });
+}
+
 // One byte more than allowed, to see that a request was too long.
-void ControlServer::answer_one() {
+bool ControlServer::answer_one(int asker) {
     std::vector<char> request(kLongestRequestBytes + 1);
-    Address from;
-    const auto size = recvfrom(socket_, request.data(), request.size(), 0, from.raw(), &from.size);
-    if (size < 0 || from.size <= sizeof(sa_family_t)) return;  // an asker without an address hears nothing
+    const auto size = recv(asker, request.data(), request.size(), 0);
+    if (size < 0) return errno != EAGAIN && errno != EINTR;
+    if (size == 0) return true;  // it has gone
     const std::string words = answer({request.data(), static_cast<std::size_t>(size)});
-    sendto(socket_, words.data(), words.size(), MSG_NOSIGNAL, from.raw(), from.size);
+    send(asker, words.data(), words.size(), MSG_NOSIGNAL);
+    return true;
 }
 
 std::string ControlServer::answer(std::string_view request) {
     nlohmann::ordered_json json{{"ok", true}};
     try {
         const ControlRequest wanted = parse_request(request);
-        RelayState state = ask([](RelayEngine& engine) { return engine.state(wall_now()); });
+        RelayState state = mailbox_.ask([](RelayEngine& engine) { return engine.state(wall_now()); });
         if (wanted.verb == ControlRequest::Verb::kSet) {
             const LinkPair links = assign(state.links, wanted.assignments);
-            state = ask([&](RelayEngine& engine) {
+            state = mailbox_.ask([&](RelayEngine& engine) {
                 engine.change(wall_now(), links);
                 return engine.state(wall_now());
             });
@@ -134,45 +162,21 @@ std::string ControlServer::answer(std::string_view request) {
     return json_text(json);
 }
 
-// A lock would let a sleeper hold up the relaying thread.
-RelayState ControlServer::ask(const Job& job) {
-    Task task(job);
-    std::future<RelayState> result = task.get_future();
-    waiting_ = &task;
-    if (result.wait_for(kRelayPatience) == std::future_status::timeout &&
-        waiting_.exchange(nullptr) != nullptr) {
-        throw Error(ExitCode::kRunFailed, "the relay is too busy to answer, or ending");
-    }
-    return result.get();  // a task that was taken ends
-}
-
-void ControlServer::serve(RelayEngine& engine) {
-    if (waiting_.load(std::memory_order_relaxed) == nullptr) return;
-    Task* const waiting = waiting_.exchange(nullptr);
-    if (waiting == nullptr) return;
-    Task task = std::move(*waiting);  // gone once it has been answered
-    task(engine);
-}
-
 nlohmann::ordered_json ask_relay(const std::filesystem::path& path, const std::string& request) {
     Address address = address_of(path);
     struct Closer {
         int descriptor;
         ~Closer() { close(descriptor); }
     } mine{open_socket()};
-    Address unnamed;  // of the kernel's choice, without a file
-    unnamed.name.sun_family = AF_UNIX;
-    unnamed.size = sizeof(sa_family_t);
     std::vector<char> answer(kLongestAnswerBytes);
-    if (bind(mine.descriptor, unnamed.raw(), unnamed.size) != 0 ||
-        connect(mine.descriptor, address.raw(), address.size) != 0 ||
+    if (connect(mine.descriptor, address.raw(), address.size) != 0 ||
         send(mine.descriptor, request.data(), request.size(), MSG_NOSIGNAL) < 0) {
         throw Error(ExitCode::kNetwork, "no relay listens at '{}': {}; start one with --control {}",
                     path.string(), std::strerror(errno), path.string());
     }
     const auto size =
         readable(mine.descriptor, kPatience_ms) ? recv(mine.descriptor, answer.data(), answer.size(), 0) : -1;
-    if (size < 0) {
+    if (size <= 0) {
         throw Error(ExitCode::kNetwork, "the relay at '{}' does not answer: is it running?", path.string());
     }
     auto json = nlohmann::ordered_json::parse(answer.data(), answer.data() + size, nullptr, false);

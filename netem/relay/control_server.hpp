@@ -1,22 +1,21 @@
-// The control socket of a running relay: a Unix datagram socket that only its owner may write to. Its thread reads
-// requests (control_text.hpp) and answers them; whatever comes in, the relay goes on.
+// The control socket of a running relay: a Unix socket with a path that only its owner may write to, also from another
+// network namespace or a container that sees the path. Each connection brings one request (control_text.hpp) and gets one
+// answer; whatever comes in, the relay goes on.
 #pragma once
 
 #include <atomic>
 #include <filesystem>
-#include <functional>
-#include <future>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <boost/core/noncopyable.hpp>
 #include <nlohmann/json.hpp>
 
-#include "netem/relay/relay_totals.hpp"
+#include "common/time.hpp"
+#include "netem/relay/relay_mailbox.hpp"
 
 namespace thimble {
-
-class RelayEngine;
 
 class ControlServer : boost::noncopyable {
   public:
@@ -27,20 +26,24 @@ class ControlServer : boost::noncopyable {
     ~ControlServer();
 
     // For the relaying thread, in each of its rounds: what the other thread asks for. Never waits.
-    void serve(RelayEngine& engine);
+    void serve(RelayEngine& engine) { mailbox_.serve(engine); }
 
   private:
-    using Job = std::function<RelayState(RelayEngine& engine)>;
-    using Task = std::packaged_task<RelayState(RelayEngine& engine)>;
+    struct Asker {
+        int socket;
+        SessionTime until;  // it has to have asked
+    };
 
     void run();
-    void answer_one();
+    void let_in();
+    void look_at_askers();
+    bool answer_one(int asker);  // false: it has not asked yet
     std::string answer(std::string_view request);
-    RelayState ask(const Job& job);
 
     std::filesystem::path path_;
     int socket_ = -1;
-    std::atomic<Task*> waiting_{nullptr};
+    std::vector<Asker> askers_;
+    RelayMailbox mailbox_;
     std::atomic<bool> stop_{false};
     std::thread thread_;
 };

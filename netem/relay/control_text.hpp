@@ -1,4 +1,4 @@
-// The language of the control socket. A request is one datagram of text: a verb in the first line, then one assignment
+// The language of the control socket. A request is one packet of text: a verb in the first line, then one assignment
 // per line:
 //   show
 //   set
@@ -6,7 +6,7 @@
 //   loss = 0.01
 // A key is one of a link (profile_link.hpp), a dot between a table and its key; `up.` or `down.` before it names one
 // direction, otherwise it is for both. The value is written as in TOML; a bare word stands for itself in quotes.
-// The answer is one datagram of JSON: {"ok": true, ...} or {"ok": false, "error": "..."}.
+// The answer is one packet of JSON: {"ok": true, ...} or {"ok": false, "error": "..."}.
 #pragma once
 
 #include <string>
