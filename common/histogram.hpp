@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "common/time.hpp"
@@ -37,6 +38,14 @@ class Histogram {
     std::uint64_t count() const { return count_; }
     Duration worst() const { return Duration{static_cast<Duration::rep>(max_)}; }
     Duration best() const { return Duration{static_cast<Duration::rep>(min_)}; }
+
+    // How many are no longer than this, to 0.4 %.
+    std::uint64_t count_up_to(Duration longest) const {
+        const std::size_t end =
+            index(static_cast<std::uint64_t>(std::max<Duration::rep>(longest.count(), 0)));
+        return std::accumulate(buckets_.begin(), buckets_.begin() + static_cast<std::ptrdiff_t>(end) + 1,
+                               std::uint64_t{0});
+    }
 
     // The sample at fraction q of the sorted samples, to 0.4 %; zero without samples.
     Duration quantile(double q) const {

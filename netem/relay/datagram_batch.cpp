@@ -12,8 +12,8 @@ namespace {
 constexpr std::size_t kRoomBytes = 65536;  // more than any UDP datagram has
 constexpr std::size_t kMostJoinedBytes = 60000;
 
-bool same_receiver(const sockaddr_in& a, const sockaddr_in& b) {
-    return a.sin_port == b.sin_port && a.sin_addr.s_addr == b.sin_addr.s_addr;
+bool same_receiver(const SocketAddress& a, const SocketAddress& b) {
+    return std::memcmp(&a, &b, sizeof a) == 0;  // both made by UdpAddress, without anything unset
 }
 
 }  // namespace
@@ -32,27 +32,36 @@ ReceiveBatch::ReceiveBatch() : data_(std::make_unique_for_overwrite<std::uint8_t
 std::size_t ReceiveBatch::receive(int descriptor, std::size_t most) {
     assert(most <= kSize);
     for (std::size_t i = 0; i < used_; ++i) {
-        messages_[i].msg_hdr.msg_namelen = sizeof(sockaddr_in);
+        messages_[i].msg_hdr.msg_namelen = sizeof(SocketAddress);
         messages_[i].msg_hdr.msg_controllen = sizeof(Control);
     }
     int found = -1;
+    bool closed = false;
     do {
         found = recvmmsg(descriptor, messages_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
-    } while (found < 0 && (errno == EINTR || errno == ECONNREFUSED));
+        closed = found < 0 && errno == ECONNREFUSED;
+        closed_ports_ += closed ? 1 : 0;
+    } while (found < 0 && (errno == EINTR || closed));
     used_ = found < 0 ? 0 : static_cast<std::size_t>(found);
     return used_;
 }
 
 ReceiveBatch::Datagram ReceiveBatch::operator[](std::size_t i) const {
     const std::uint8_t* data = data_.get() + i * kRoomBytes;
-    return {{data, messages_[i].msg_len}, UdpAddress::of(from_[i]), kernel_stamp_ns(messages_[i].msg_hdr)};
+    const msghdr& header = messages_[i].msg_hdr;
+    return {{data, messages_[i].msg_len},
+            UdpAddress::of(from_[i]),
+            kernel_stamp_ns(header),
+            traffic_class_of(header)};
 }
 
-void SendBatch::add(Bytes bytes, const UdpAddress* to) {
+void SendBatch::add(Bytes bytes, const UdpAddress* to, std::uint8_t traffic_class, bool ipv4) {
     assert(!full());
     parts_[count_] = {const_cast<std::uint8_t*>(bytes.data()), bytes.size()};
     addressed_[count_] = to != nullptr;
-    if (to != nullptr) to_[count_] = to->generic();
+    if (to != nullptr) to_[count_] = to->socket_address();
+    traffic_class_[count_] = traffic_class;
+    ipv4_[count_] = to != nullptr ? to->is_ipv4() : ipv4;
     ++count_;
 }
 
@@ -61,6 +70,7 @@ std::size_t SendBatch::same_from(std::size_t first) const {
     std::size_t end = first + 1;
     const auto same = [&](std::size_t i) {
         return parts_[i].iov_len == parts_[first].iov_len && addressed_[i] == addressed_[first] &&
+               traffic_class_[i] == traffic_class_[first] &&
                (!addressed_[i] || same_receiver(to_[i], to_[first]));
     };
     if (parts_[first].iov_len > kLongestJoined) return 1;
@@ -88,17 +98,29 @@ void SendBatch::fill(std::size_t message, const Piece& piece) {
     header.msg_iovlen = piece.count;
     if (addressed_[piece.first]) {
         header.msg_name = &to_[piece.first];
-        header.msg_namelen = sizeof(sockaddr_in);
+        header.msg_namelen = to_[piece.first].size();
     }
-    if (piece.count == 1) return;
-    header.msg_control = control_[message].bytes.data();
-    header.msg_controllen = control_[message].bytes.size();
-    cmsghdr* cut = CMSG_FIRSTHDR(&header);
-    cut->cmsg_level = SOL_UDP;
-    cut->cmsg_type = UDP_SEGMENT;
-    cut->cmsg_len = CMSG_LEN(sizeof(std::uint16_t));
-    const auto size = static_cast<std::uint16_t>(parts_[piece.first].iov_len);
-    std::memcpy(CMSG_DATA(cut), &size, sizeof size);
+    const int traffic_class = traffic_class_[piece.first];
+    if (traffic_class != 0) {
+        const bool ipv4 = ipv4_[piece.first];
+        put(message, ipv4 ? IPPROTO_IP : IPPROTO_IPV6, ipv4 ? IP_TOS : IPV6_TCLASS, traffic_class);
+    }
+    if (piece.count > 1)
+        put(message, SOL_UDP, UDP_SEGMENT, static_cast<std::uint16_t>(parts_[piece.first].iov_len));
+}
+
+// One more control message.
+template <class Value>
+void SendBatch::put(std::size_t message, int level, int type, Value value) {
+    msghdr& header = messages_[message].msg_hdr;
+    Control& control = control_[message];
+    header.msg_control = control.bytes.data();
+    auto* added = static_cast<cmsghdr*>(static_cast<void*>(control.bytes.data() + header.msg_controllen));
+    header.msg_controllen += CMSG_SPACE(sizeof value);
+    added->cmsg_level = level;
+    added->cmsg_type = type;
+    added->cmsg_len = CMSG_LEN(sizeof value);
+    std::memcpy(CMSG_DATA(added), &value, sizeof value);
 }
 
 void SendBatch::mark(const Piece& piece, bool accepted) {
@@ -117,6 +139,7 @@ std::size_t SendBatch::send_pieces(int descriptor, std::size_t pieces) {
             for (int i = 0; i < sent; ++i) mark(pieces_[done++], true);
             again = true;
         } else if (again && (errno == ECONNREFUSED || errno == EINTR)) {
+            closed_ports_ += errno == ECONNREFUSED ? 1 : 0;
             again = false;
         } else if (pieces_[done].count > 1) {
             return pieces_[done].first;
@@ -135,7 +158,8 @@ std::span<const bool> SendBatch::send(int descriptor) {
         if (first == count_) break;
         joins = false;
         const bool full = errno == EAGAIN || errno == ENOBUFS;
-        joins_ = joins_ && full;  // else this path or this kernel cannot
+        cannot_join_ = !full;  // this path or this kernel cannot
+        joins_ = joins_ && full;
     }
     const std::size_t all = count_;
     count_ = 0;

@@ -19,25 +19,29 @@ class ReceiveBatch {
         Bytes bytes;
         UdpAddress from;
         std::int64_t stamp_realtime_ns;  // when the kernel had it; 0 if it did not say
+        std::uint8_t traffic_class;      // DSCP and ECN bits
     };
     static constexpr std::size_t kSize = 32;
 
     ReceiveBatch();
-    // As many as wait, at most `most` (up to kSize). Errors of an earlier send (port closed) are passed over.
+    // As many as wait, at most `most` (up to kSize). Answers of a machine that the port of an earlier datagram is closed are
+    // passed over and counted.
     std::size_t receive(int descriptor, std::size_t most = kSize);
+    std::uint64_t closed_ports() const { return closed_ports_; }
     // i below what receive() returned; valid until the next receive().
     Datagram operator[](std::size_t i) const;
 
   private:
     struct Control {
-        alignas(cmsghdr) std::array<std::uint8_t, 64> bytes;
+        alignas(cmsghdr) std::array<std::uint8_t, 128> bytes;
     };
     std::unique_ptr<std::uint8_t[]> data_;
     std::array<mmsghdr, kSize> messages_{};
     std::array<iovec, kSize> parts_{};
-    std::array<sockaddr_in, kSize> from_{};
+    std::array<SocketAddress, kSize> from_{};
     std::array<Control, kSize> control_{};
     std::size_t used_ = kSize;  // entries that the kernel has shortened
+    std::uint64_t closed_ports_ = 0;
 };
 
 // How many datagrams to ask a socket for. To look in vain for one more costs the kernel a good part of what a datagram
@@ -74,8 +78,11 @@ class SendBatch {
     // `joins`: whether it ever does that.
     explicit SendBatch(bool joins = false) : joins_(joins) {}
 
-    // `to` is left out for a connected socket. The bytes must stay until send().
-    void add(Bytes bytes, const UdpAddress* to);
+    // `to` is left out for a connected socket, which is of the peer's family. The bytes must stay until send().
+    void add(Bytes bytes, const UdpAddress* to, std::uint8_t traffic_class = 0, bool ipv4 = true);
+    // Whether it joins from now on, if this path can.
+    void join(bool joins) { joins_ = joins && !cannot_join_; }
+    std::uint64_t closed_ports() const { return closed_ports_; }  // as in ReceiveBatch
     bool full() const { return count_ == kSize; }
     std::size_t size() const { return count_; }
     // Sends all through one socket and empties the batch. accepted[i] says whether the kernel took datagram i.
@@ -83,7 +90,8 @@ class SendBatch {
 
   private:
     struct Control {
-        alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(std::uint16_t))> bytes;
+        alignas(cmsghdr)
+            std::array<std::uint8_t, CMSG_SPACE(sizeof(std::uint16_t)) + CMSG_SPACE(sizeof(int))> bytes;
     };
     struct Piece {
         std::size_t first, count;  // datagrams
@@ -92,14 +100,19 @@ class SendBatch {
     std::size_t same_from(std::size_t first) const;
     std::size_t gather(std::size_t first, bool joins);
     void fill(std::size_t message, const Piece& piece);
+    template <class Value>
+    void put(std::size_t message, int level, int type, Value value);
     std::size_t send_pieces(int descriptor, std::size_t pieces);
     void mark(const Piece& piece, bool accepted);
 
     bool joins_;
+    bool cannot_join_ = false;
+    std::uint64_t closed_ports_ = 0;
     std::array<mmsghdr, kSize> messages_{};
     std::array<iovec, kSize> parts_{};
-    std::array<sockaddr_in, kSize> to_{};
-    std::array<bool, kSize> addressed_{};
+    std::array<SocketAddress, kSize> to_{};
+    std::array<bool, kSize> addressed_{}, ipv4_{};
+    std::array<std::uint8_t, kSize> traffic_class_{};
     std::array<Control, kSize> control_{};
     std::array<Piece, kSize> pieces_{};
     std::array<bool, kSize> accepted_{};

@@ -37,7 +37,7 @@ class FlowTable {
     // The flow of this client, opened if need be; nothing if the table is full. Counts as a sign of life.
     std::optional<Found> find(const FlowName& name, SessionTime now) {
         assert(name.inlet < next_number_.size());
-        if (const auto known = places_.find(key_of(name)); known != places_.end()) {
+        if (const auto known = places_.find(name); known != places_.end()) {
             alive(known->second, now);
             return Found{known->second, false};
         }
@@ -45,7 +45,7 @@ class FlowTable {
         const std::uint32_t place = free_.back();
         free_.pop_back();
         flows_[place] = {name, next_number_[name.inlet]++, now, true};
-        places_.emplace(key_of(name), place);
+        places_.emplace(name, place);
         ++opened_;
         return Found{place, true};
     }
@@ -53,7 +53,7 @@ class FlowTable {
     void alive(std::uint32_t place, SessionTime now) { flows_[place].last = now; }
     void close(std::uint32_t place) {
         assert(flows_[place].open);
-        places_.erase(key_of(flows_[place].name));
+        places_.erase(flows_[place].name);
         flows_[place].open = false;
         free_.push_back(place);
     }
@@ -81,11 +81,11 @@ class FlowTable {
         SessionTime last{};
         bool open = false;
     };
-    static std::uint64_t key_of(const FlowName& name) {
-        return name.client.number() | std::uint64_t{name.inlet} << 48;
-    }
+    struct Hash {
+        std::size_t operator()(const FlowName& name) const { return name.client.hash() + name.inlet; }
+    };
 
-    std::unordered_map<std::uint64_t, std::uint32_t> places_;
+    std::unordered_map<FlowName, std::uint32_t, Hash> places_;
     std::vector<Flow> flows_;
     std::vector<std::uint32_t> free_;  // the lowest place last
     std::vector<std::uint32_t> next_number_;

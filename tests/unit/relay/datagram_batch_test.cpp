@@ -25,6 +25,15 @@ std::vector<std::uint8_t> numbered(std::size_t number, std::size_t size) {
     return bytes;
 }
 
+bool has_ipv6() {
+    try {
+        UdpSocket::listening(read_udp_address("[::1]:0", ""));
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
 class Batches : public testing::TestWithParam<bool> {
   protected:
     // Sends datagrams of these sizes, and returns what the sink got.
@@ -112,12 +121,60 @@ TEST_P(Batches, WhereTheKernelRefusesToCutTheyGoOneByOne) {
     }
 }
 
+// Expedited forwarding, which also says that it understands ECN; IPv4, IPv6, and IPv4 at a socket for both.
+TEST_P(Batches, TheTrafficClassArrives) {
+    if (!has_ipv6()) GTEST_SKIP() << "this machine has no IPv6: sysctl net.ipv6.conf.lo.disable_ipv6=0";
+    const auto bytes = numbered(0, 30);
+    for (const char* place : {"127.0.0.1:0", "[::1]:0", "[::]:0"}) {
+        UdpSocket sink = UdpSocket::listening(read_udp_address(place, ""));
+        sink.tell_traffic_class();
+        const std::uint16_t port = ntohs(sink.local().port);
+        const std::string host = std::string(place) == "[::1]:0" ? "[::1]" : "127.0.0.1";
+        const UdpSocket client =
+            UdpSocket::connected(read_udp_address(host + ":" + std::to_string(port), ""));
+        for (std::size_t i = 0; i < 20; ++i) batch_.add(bytes, nullptr, i < 17 ? 0xb9 : 0, host != "[::1]");
+        EXPECT_THAT(batch_.send(client.descriptor()), testing::Each(true)) << place;
+        ReceiveBatch in;
+        ASSERT_EQ(in.receive(sink.descriptor()), 20U) << place;
+        for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(in[i].traffic_class, i < 17 ? 0xb9 : 0) << place << i;
+        // And back, to an address.
+        const UdpAddress to = in[0].from;
+        SendBatch answers(GetParam());
+        answers.add(bytes, &to, 0x2e << 2);
+        EXPECT_TRUE(answers.send(sink.descriptor())[0]) << place;
+    }
+}
+
+TEST_P(Batches, AClosedPortIsCounted) {
+    const UdpSocket client = [&] {
+        const UdpSocket gone = UdpSocket::listening(any_port_here());
+        return UdpSocket::connected(gone.local());
+    }();
+    const auto bytes = numbered(0, 30);
+    ReceiveBatch in;
+    for (int i = 0; i < 3; ++i) {
+        batch_.add(bytes, nullptr);
+        batch_.send(client.descriptor());
+        EXPECT_EQ(in.receive(client.descriptor()), 0U);
+    }
+    EXPECT_EQ(batch_.closed_ports() + in.closed_ports(), 3U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Joining, Batches, testing::Bool(),
                          [](const auto& mode) { return std::string(mode.param ? "Joined" : "Single"); });
 
 TEST(UdpAddress, ReadsPortAndHost) {
     EXPECT_EQ(to_string(read_udp_address("9000", "--listen")), "0.0.0.0:9000");
     EXPECT_EQ(to_string(read_udp_address("127.0.0.1:65535", "--to")), "127.0.0.1:65535");
+}
+
+TEST(UdpAddress, ReadsIpv6InBrackets) {
+    for (const char* text : {"[::1]:9000", "[2001:db8::7]:1", "[::]:0"})
+        EXPECT_EQ(to_string(read_udp_address(text, "--to")), text);
+    EXPECT_TRUE(read_udp_address("[::ffff:10.0.0.1]:1", "--to").is_ipv4());
+    EXPECT_FALSE(read_udp_address("[::1]:1", "--to").is_ipv4());
+    EXPECT_THAT(refusal([] { read_udp_address("::1:9000", "--to"); }, ExitCode::kUsage),
+                testing::HasSubstr("brackets"));
 }
 
 TEST(UdpAddress, LooksUpAName) {

@@ -32,6 +32,16 @@ TEST(FlowTable, KnowsAClientAgain) {
     EXPECT_EQ(table.name(first->place), client(1));
 }
 
+TEST(FlowTable, TellsIpv6ClientsApart) {
+    FlowTable table(8, 1);
+    std::set<std::uint32_t> places;
+    for (const char* text :
+         {"[::1]:9000", "[::1]:9001", "[2001:db8::1]:9000", "[fe80::1]:9000", "127.0.0.1:9000"})
+        places.insert(table.find({0, read_udp_address(text, "")}, at(0))->place);
+    EXPECT_EQ(places.size(), 5U);
+    EXPECT_FALSE(table.find({0, read_udp_address("[::1]:9001", "")}, at(1))->fresh);
+}
+
 TEST(FlowTable, KeepsInletsApart) {
     FlowTable table(4, 2);
     const auto here = table.find(client(1, 0), at(0)), there = table.find(client(1, 1), at(0));
