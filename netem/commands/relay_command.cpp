@@ -1,5 +1,6 @@
 // thimble-netem --listen ... --to ...: a network in front of any UDP program. With --selftest: in front of its own.
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,13 +22,13 @@ namespace {
 
 struct RelayOptions {
     std::vector<std::string> listen, to;
-    std::string profile;            // a name, a file or tc's words (profiles.hpp)
-    std::vector<std::string> link;  // assignments as for `thimble-netem set`, on top of it
-    std::uint64_t seed = 1;
+    std::string profile;                // a name, a file or tc's words (profiles.hpp)
+    std::vector<std::string> link;      // assignments as for `thimble-netem set`, on top of it
+    std::optional<std::uint64_t> seed;  // without it that of tc's words, or 1
     std::size_t most_flows = 1000;
     double idle_s = 60, seconds = 0;
     bool precise = false, json = false, strict_rt = false, default_scheduling = false, selftest = false;
-    std::string log, control, print_tc;
+    std::string log, control, metrics, print_tc;
 };
 
 constexpr double kSelftestDefault_s = 10;
@@ -35,6 +36,7 @@ constexpr double kSelftestDefault_s = 10;
 struct Network {
     LinkPair links;
     TimelinePair timelines;
+    std::uint64_t seed = 1;
 };
 
 // Throws Error (usage; data for a file that a profile names).
@@ -45,20 +47,50 @@ Network read_network(const RelayOptions& options) {
         for (const std::string& note : profile.notes) spdlog::info(note);
         network.links = {std::move(profile.up), std::move(profile.down)};
         network.timelines = {std::move(profile.up_changes), std::move(profile.down_changes)};
+        network.seed = profile.seed.value_or(network.seed);
     }
+    network.seed = options.seed.value_or(network.seed);
     network.links = assign(network.links, options.link);
     return network;
 }
 
-// The same for the kernel's netem on `device`, and what it does not do.
-void print_tc_commands(const LinkPair& links, const std::string& device) {
-    const auto print_way = [&](const char* way, const LinkSettings& link) {
+// The same for the kernel's netem, and what it does not do. A qdisc holds for what leaves its device: DEVICE is on the way
+// to the server, and DEVICE,DEVICE names that and the one on the way to the clients.
+void print_tc_commands(const LinkPair& links, const std::string& devices) {
+    const std::size_t comma = devices.find(',');
+    const std::string to_server = devices.substr(0, comma);
+    const std::string to_clients = comma == std::string::npos ? devices : devices.substr(comma + 1);
+    const auto print_way = [&](const std::string& way, const LinkSettings& link, const std::string& device) {
+        fmt::print("# {}\n", way);
+        if (link == LinkSettings{}) return fmt::print("# nothing: this way needs no netem\n");
         const TcCommands tc = print_tc(link, device);
-        fmt::print("# {}\n{}\n", way, tc.command);
+        fmt::print("{}\n", tc.command);
         for (const std::string& gap : tc.cannot) fmt::print("# not the same: {}\n", gap);
     };
-    print_way("up", links.up);
-    print_way("down", links.down);
+    const bool one = comma == std::string::npos;
+    print_way(fmt::format("up: {} at its device towards the server",
+                          one ? "on the clients' machine," : "on a router,"),
+              links.up, to_server);
+    print_way(fmt::format("down: {} at its device towards the clients",
+                          one ? "on the server's machine," : "on a router,"),
+              links.down, to_clients);
+}
+
+// A bare port is that of all addresses, of IPv6 as well where this machine has it.
+UdpAddress listen_address(const std::string& text) {
+    const UdpAddress local = read_udp_address(text, "--listen");
+    if (text.find(':') != std::string::npos) return local;
+    try {
+        UdpSocket::open(AF_INET6);
+        return UdpAddress::all(local.port);
+    } catch (const Error&) {
+        return local;
+    }
+}
+
+// A bare port is this machine's alone: metrics are for who is trusted.
+UdpAddress metrics_address(const std::string& text) {
+    return read_udp_address(text.find(':') == std::string::npos ? "127.0.0.1:" + text : text, "--metrics");
 }
 
 RelaySettings relay_settings(const RelayOptions& options) {
@@ -70,15 +102,16 @@ RelaySettings relay_settings(const RelayOptions& options) {
     RelaySettings relay;
     for (std::size_t i = 0; i < options.listen.size(); ++i) {
         const UdpAddress to = read_udp_address(options.to[i], "--to");
-        if (to.host == 0 || to.port == 0) {
-            throw Error(ExitCode::kUsage, "--to {}: write HOST:PORT of the server", options.to[i]);
+        if (to.unspecified() || to.port == 0) {
+            throw Error(ExitCode::kUsage, "--to {}: write HOST:PORT or [IPv6]:PORT of the server",
+                        options.to[i]);
         }
-        relay.inlets.push_back({read_udp_address(options.listen[i], "--listen"), to});
+        relay.inlets.push_back({listen_address(options.listen[i]), to});
     }
     Network network = read_network(options);
     relay.links = std::move(network.links);
     relay.timelines = std::move(network.timelines);
-    relay.seed = options.seed;
+    relay.seed = network.seed;
     relay.most_flows = options.most_flows;
     relay.idle = from_seconds(options.idle_s);
     relay.precise = options.precise;
@@ -105,6 +138,7 @@ int relay(const RelayOptions& options) {
     service.runtime.realtime_scheduling = !options.default_scheduling;
     service.log = options.log;
     service.control = options.control;
+    if (!options.metrics.empty()) service.metrics = metrics_address(options.metrics);
     service.length = from_seconds(options.seconds);
     const RelayState state = run_relay(service);
     const auto report = describe(state);
@@ -117,7 +151,7 @@ int selftest(const RelayOptions& options) {
     Network network = read_network(options);
     settings.links = std::move(network.links);
     settings.timelines = std::move(network.timelines);
-    settings.seed = options.seed;
+    settings.seed = network.seed;
     settings.length = from_seconds(options.seconds > 0 ? options.seconds : kSelftestDefault_s);
     settings.precise = options.precise;
     settings.runtime.realtime_scheduling = !options.default_scheduling;
@@ -141,7 +175,8 @@ void add_traffic_options(CLI::App& app, RelayOptions& o) {
            "--link", o.link,
            "single settings on top of it, e.g. up.delay_s=0.05 loss=0.01; both ways without up. or down.")
         ->type_name("KEY=VALUE");
-    app.add_option("--seed", o.seed, "the same seed gives each packet the same fate")->capture_default_str();
+    app.add_option("--seed", o.seed,
+                   "the same seed gives each packet the same fate; 1, or that of tc's words");
     app.add_option("--max-flows", o.most_flows, "clients at the same time")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
@@ -159,9 +194,12 @@ void add_run_options(CLI::App& app, RelayOptions& o) {
     app.add_option("--log", o.log, "write what became of each packet; text if it ends in .csv")
         ->type_name("FILE");
     app.add_option("--control", o.control, "socket for set, show and watch")->type_name("PATH");
+    app.add_option("--metrics", o.metrics, "serve metrics for Prometheus there, at /metrics")
+        ->type_name("[HOST:]PORT");
     app.add_flag("--json", o.json, "summary as JSON");
-    app.add_option("--print-tc", o.print_tc, "only print the same for the kernel's netem on this interface")
-        ->type_name("DEVICE");
+    app.add_option("--print-tc", o.print_tc,
+                   "only print the same for the kernel's netem: its device to the server, and to the clients")
+        ->type_name("DEVICE[,DEVICE]");
     app.add_flag("--selftest", o.selftest, "send own traffic and say whether this machine can be trusted");
 }
 

@@ -13,6 +13,9 @@ namespace {
 constexpr std::size_t kTurn = 16;
 // How long a stop may wait for a sleeping relay.
 constexpr Duration kHousekeeping = std::chrono::milliseconds{100};
+// Below, datagrams leave one by one, so that captures and queue disciplines behind see them as they are. At most a third of
+// what this program sends without joining.
+constexpr double kJoinFrom_per_s = 50'000;
 constexpr std::uint64_t kInletTags = std::uint64_t{1} << 32;  // below: the place of a flow
 
 std::size_t index(RelayDirection direction) { return static_cast<std::size_t>(direction); }
@@ -48,15 +51,18 @@ RelayEngine::RelayEngine(const RelaySettings& settings, PacketSink* log)
       table_(settings.most_flows, settings.inlets.size()),
       flows_(settings.most_flows),
       due_(2 * settings.most_flows),
+      last_housekeeping_(wall_now()),
       start_(wall_now()),
       next_housekeeping_(start_ + kHousekeeping),
       next_expiry_(start_ + settings.idle / 4) {
     inlet_turns_.resize(settings_.inlets.size());
+    totals_.closed_ports.resize(settings_.inlets.size());
     active_.reserve(2 * settings.most_flows);
     outgoing_.reserve(SendBatch::kSize);
     if (log_ != nullptr) drops_ = std::make_unique<DropLog>(*log_);
     for (const RelayInlet& inlet : settings_.inlets) {
         inlets_.push_back(UdpSocket::listening(inlet.listen));
+        inlets_.back().tell_traffic_class();
         if (!waiter_.add(inlets_.back().descriptor(), kInletTags + inlets_.size() - 1)) {
             throw Error(ExitCode::kRunFailed, "cannot wait for datagrams: too many open files?");
         }
@@ -110,7 +116,8 @@ void RelayEngine::serve(std::uint32_t link, SessionTime now) {
         if (departure.bytes.empty()) return;
         if (batch_.full() || socket != batch_socket_) flush();
         batch_socket_ = socket;
-        batch_.add(departure.bytes, up ? nullptr : &name.client);
+        batch_.add(departure.bytes, up ? nullptr : &name.client, departure.traffic_class,
+                   settings_.inlets[name.inlet].to.is_ipv4());
         outgoing_.push_back({link, departure});
     }
 }
@@ -119,8 +126,12 @@ void RelayEngine::flush() {
     if (outgoing_.empty()) return;
     if (const SessionTime woken = std::exchange(woken_, kNever); woken != kNever)
         handling_.add(wall_now() - woken);
+    const std::uint64_t closed = batch_.closed_ports();
     const auto accepted = batch_.send(batch_socket_);
     const SessionTime sent = wall_now();
+    handed_over_ += outgoing_.size();
+    if (batch_.closed_ports() != closed)
+        totals_.closed_ports[table_.name(outgoing_.front().link / 2).inlet] += batch_.closed_ports() - closed;
     for (std::size_t i = 0; i < outgoing_.size(); ++i) record_sent(outgoing_[i], sent, accepted[i]);
     outgoing_.clear();
 }
@@ -130,7 +141,9 @@ void RelayEngine::record_sent(const Outgoing& out, SessionTime sent, bool accept
     if (accepted) {
         totals.bytes += out.departure.bytes.size();
         totals.delay.add(sent - out.departure.received);
+        totals.delay_moments.add(sent - out.departure.received);
         totals.error.add(sent - out.departure.due);
+        totals.error_moments.add(sent - out.departure.due);
         if (sent - out.departure.due > kStall) ++totals.late;
     } else {
         ++totals.refused;
@@ -181,7 +194,7 @@ void RelayEngine::receive_from_clients(std::uint32_t inlet) {
         const ReceiveBatch::Datagram datagram = arrivals_[i];
         const SessionTime received = stamps_.to_session(datagram.stamp_realtime_ns, now);
         if (const auto place = flow_of({inlet, datagram.from}, received, now)) {
-            push(2 * *place + static_cast<std::uint32_t>(RelayDirection::kUp), datagram.bytes, received);
+            push(2 * *place + static_cast<std::uint32_t>(RelayDirection::kUp), datagram, received);
         } else {
             ++totals_.flows_refused;
         }
@@ -190,21 +203,23 @@ void RelayEngine::receive_from_clients(std::uint32_t inlet) {
 
 void RelayEngine::receive_from_server(std::uint32_t place) {
     if (!table_.open(place)) return;
+    const std::uint64_t closed = arrivals_.closed_ports();
     const std::size_t count = receive_turn(flows_[place]->server.descriptor(), flows_[place]->turn);
+    totals_.closed_ports[table_.name(place).inlet] += arrivals_.closed_ports() - closed;
     const SessionTime now = wall_now();
     if (count > 0) table_.alive(place, now);
     for (std::size_t i = 0; i < count; ++i) {
-        push(2 * place + static_cast<std::uint32_t>(RelayDirection::kDown), arrivals_[i].bytes,
+        push(2 * place + static_cast<std::uint32_t>(RelayDirection::kDown), arrivals_[i],
              stamps_.to_session(arrivals_[i].stamp_realtime_ns, now));
     }
 }
 
 // A link's packets never go back in time: where a stamp could not be trusted, the one before it may be later.
-void RelayEngine::push(std::uint32_t link, Bytes datagram, SessionTime received) {
+void RelayEngine::push(std::uint32_t link, const ReceiveBatch::Datagram& datagram, SessionTime received) {
     SessionTime& last = flows_[link / 2]->last_received[link % 2];
     last = std::max(last, received);
-    if (drops_) drops_->expect(record_of(link), datagram.size());
-    model(link).push(last, datagram);
+    if (drops_) drops_->expect(record_of(link), datagram.bytes.size());
+    model(link).push(last, datagram.bytes, datagram.traffic_class);
     due_.set(link, model(link).next_due());
 }
 
@@ -227,6 +242,7 @@ bool RelayEngine::open_flow(std::uint32_t place, SessionTime received) {
             UdpSocket::connected(settings_.inlets[name.inlet].to),
             {LinkModel(settings_.links.up, key, kRelayUp, settings_.timelines.up, start_, received),
              LinkModel(settings_.links.down, key, kRelayDown, settings_.timelines.down, start_, received)}});
+        flow->server.tell_traffic_class();
         if (!waiter_.add(flow->server.descriptor(), place)) return false;
         for (LinkModel& link : flow->links) link.observe(drops_.get());
         flows_[place] = std::move(flow);
@@ -258,6 +274,9 @@ void RelayEngine::expire_flows(SessionTime now) {
 
 void RelayEngine::housekeep(SessionTime now) {
     next_housekeeping_ = now + kHousekeeping;
+    const double passed_s = to_seconds(now - last_housekeeping_);
+    batch_.join(static_cast<double>(std::exchange(handed_over_, 0)) > kJoinFrom_per_s * passed_s);
+    last_housekeeping_ = now;
     if (now < next_expiry_) return;
     expire_flows(now);
     next_expiry_ = now + settings_.idle / 4;
@@ -286,7 +305,10 @@ RelayTotals RelayEngine::totals(SessionTime now) const {
     for (std::uint32_t place = 0; place < flows_.size(); ++place) {
         if (!table_.open(place)) continue;
         totals.dropped_by_kernel += flows_[place]->server.dropped_by_kernel();
-        for (std::size_t d = 0; d < 2; ++d) totals.direction[d].packets += flows_[place]->links[d].counters();
+        for (std::size_t d = 0; d < 2; ++d) {
+            totals.direction[d].packets += flows_[place]->links[d].counters();
+            totals.direction[d].in_flight += flows_[place]->links[d].in_flight();
+        }
     }
     for (const UdpSocket& inlet : inlets_) totals.dropped_by_kernel += inlet.dropped_by_kernel();
     totals.flows = table_.size();

@@ -45,6 +45,8 @@ class RelayEngine {
     const LinkPair& links() const { return settings_.links; }
 
     RelayTotals totals(SessionTime now) const;
+    // Without the counters of open flows, which totals() sums up.
+    const RelayTotals& counted() const { return totals_; }
     RelayState state(SessionTime now) const;
     UdpAddress inlet_address(std::size_t inlet) const { return inlets_[inlet].local(); }
     // From when on outages, timelines and traces by time count. Slots begin with their flow.
@@ -75,7 +77,7 @@ class RelayEngine {
     std::size_t receive_turn(int descriptor, ReceiveTurn& turn);
     void receive_from_clients(std::uint32_t inlet);
     void receive_from_server(std::uint32_t place);
-    void push(std::uint32_t link, Bytes datagram, SessionTime received);
+    void push(std::uint32_t link, const ReceiveBatch::Datagram& datagram, SessionTime received);
     std::optional<std::uint32_t> flow_of(const FlowName& name, SessionTime received, SessionTime now);
     bool open_flow(std::uint32_t place, SessionTime received);
     void close_flow(std::uint32_t place);
@@ -99,7 +101,9 @@ class RelayEngine {
     DueHeap due_;
     std::vector<std::uint32_t> active_;  // links with due packets, in turn
     ReceiveBatch arrivals_;
-    SendBatch batch_{true};
+    SendBatch batch_{false};         // until there is much to send (housekeep)
+    std::uint64_t handed_over_ = 0;  // datagrams to the kernel, since the last housekeeping
+    SessionTime last_housekeeping_;
     int batch_socket_ = -1;
     std::vector<Outgoing> outgoing_;
     std::unique_ptr<DropLog> drops_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -27,11 +28,16 @@ Json describe_packets(const DirectionTotals& totals) {
             {"duplicated", c.duplicated},
             {"corrupted", c.corrupted},
             {"reordered", c.reordered},
+            {"marked", c.marked},
+            {"in_flight", totals.in_flight},
             {"bytes_sent", totals.bytes}};
 }
 
-Json describe_delay(const LinkSettings& link, const Histogram& delay) {
+Json describe_delay(const LinkSettings& link, const DirectionTotals& totals) {
+    const Histogram& delay = totals.delay;
     return {{"asked_mean_s", to_seconds(link.delay)},
+            {"achieved_mean_s", totals.delay_moments.mean_s()},
+            {"achieved_sd_s", totals.delay_moments.deviation_s()},
             {"achieved_least_s", to_seconds(delay.best())},
             {"achieved_median_s", to_seconds(delay.quantile(0.5))},
             {"achieved_p99_s", to_seconds(delay.quantile(0.99))},
@@ -51,7 +57,7 @@ Json describe_loss(const LinkSettings& link, const LinkCounters& packets) {
 Json describe_direction(const LinkSettings& link, const DirectionTotals& totals) {
     return {{"asked", describe(link)},
             {"packets", describe_packets(totals)},
-            {"delay", describe_delay(link, totals.delay)},
+            {"delay", describe_delay(link, totals)},
             {"loss", describe_loss(link, totals.packets)},
             {"due_time_error", describe(totals.error)},
             {"later_than_1ms", totals.late}};
@@ -64,13 +70,15 @@ std::string direction_text(const std::string& title, const Json& d) {
         fmt::format("{:<5} {} received, {} sent, {} lost", title, p.at("received").get<std::uint64_t>(),
                     p.at("sent").get<std::uint64_t>(), p.at("lost").get<std::uint64_t>());
     for (const char* fate : {"outage", "queue_full", "overflowed", "empty_or_too_long", "refused_by_kernel",
-                             "duplicated", "corrupted", "reordered"}) {
+                             "duplicated", "corrupted", "reordered", "marked"}) {
         if (const auto count = p.at(fate).get<std::uint64_t>(); count > 0)
             text += fmt::format(", {} {}", count, fate);
     }
     text += fmt::format(
-        "\n      delay    asked {:.6g} ms, achieved {:.6g} median, {:.6g} p99, {:.6g} worst\n",
-        1e3 * delay.at("asked_mean_s").get<double>(), 1e3 * delay.at("achieved_median_s").get<double>(),
+        "\n      delay    asked {:.6g} ms, achieved {:.6g} mean, {:.4g} standard deviation, {:.6g} median, "
+        "{:.6g} p99, {:.6g} worst\n",
+        1e3 * delay.at("asked_mean_s").get<double>(), 1e3 * delay.at("achieved_mean_s").get<double>(),
+        1e3 * delay.at("achieved_sd_s").get<double>(), 1e3 * delay.at("achieved_median_s").get<double>(),
         1e3 * delay.at("achieved_p99_s").get<double>(), 1e3 * delay.at("achieved_worst_s").get<double>());
     text += fmt::format("      loss     asked {:.4g} %, achieved {:.4g} % [{:.4g}, {:.4g}]\n",
                         100 * loss.at("asked").get<double>(), 100 * loss.at("achieved").get<double>(),
@@ -90,6 +98,9 @@ std::string machine_text(const Json& report) {
     }
     if (const auto missing = report.at("log_missing").get<std::uint64_t>(); missing > 0) {
         text += fmt::format(", {} packets missing in the log", missing);
+    }
+    if (const auto closed = report.at("closed_port_answers").get<std::uint64_t>(); closed > 0) {
+        text += fmt::format(", {} answers that nobody listens at the port behind --to", closed);
     }
     return text + "\n";
 }
@@ -129,6 +140,15 @@ nlohmann::ordered_json describe(const LinkSettings& link) {
             {"capacity", link.capacity}};
 }
 
+std::string order_text(const LinkSettings& link) {
+    if (link.jitter.shape == JitterShape::kNone) return "";
+    if (!link.in_order) return "packets overtake each other under jitter (in_order = true keeps their order)";
+    return fmt::format(
+        "order is kept: a packet waits for the one in front of it, so the mean delay can be far above {:g} "
+        "ms (in_order = false lets packets overtake)",
+        1e3 * to_seconds(link.delay));
+}
+
 nlohmann::ordered_json describe(const Histogram& error) {
     return {{"median_us", us(error.quantile(0.5))},
             {"p99_us", us(error.quantile(0.99))},
@@ -155,6 +175,8 @@ nlohmann::ordered_json describe(const RelayState& state) {
                        {"clock_steps", t.clock_steps},
                        {"untrusted_stamps", t.untrusted_stamps}};
     json["log_missing"] = t.log_missing;
+    json["closed_port_answers"] =
+        std::accumulate(t.closed_ports.begin(), t.closed_ports.end(), std::uint64_t{0});
     return json;
 }
 

@@ -17,6 +17,8 @@ double share_of(std::uint64_t part, std::uint64_t whole);                     //
 ProportionInterval wilson_95(std::uint64_t successes, std::uint64_t trials);  // {0, 1} for no trials
 
 nlohmann::ordered_json describe(const LinkSettings& link);
+// The order of packets under jitter, for people; empty without jitter.
+std::string order_text(const LinkSettings& link);
 nlohmann::ordered_json describe(const Histogram& error);  // of due times
 nlohmann::ordered_json describe(const RelayState& state);
 // For the JSON of describe(RelayState), perhaps from another process.

@@ -9,8 +9,10 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/control_server.hpp"
+#include "netem/relay/metrics_server.hpp"
 #include "netem/relay/packet_log.hpp"
 #include "netem/relay/relay_engine.hpp"
+#include "netem/relay/relay_report.hpp"
 
 namespace thimble {
 namespace {
@@ -26,6 +28,21 @@ void say_ready(const RelaySettings& settings, const RelayEngine& engine) {
                      1e3 * to_seconds(settings.links.up.delay), 1e3 * to_seconds(settings.links.down.delay),
                      engine.waiter().precise() ? "precise" : "sleeping");
     }
+    const std::string up = order_text(settings.links.up), down = order_text(settings.links.down);
+    if (!up.empty()) spdlog::info("up: {}", up);
+    if (!down.empty()) spdlog::info("down: {}", down);
+}
+
+// Each closed port once: a server may come later.
+void say_if_nobody_listens(const RelaySettings& settings, const RelayTotals& totals,
+                           std::vector<bool>& said) {
+    for (std::size_t i = 0; i < said.size(); ++i) {
+        if (said[i] || totals.closed_ports[i] == 0) continue;
+        said[i] = true;
+        spdlog::warn(
+            "nobody listens at UDP {}: its machine answers that the port is closed; is the server running?",
+            to_string(settings.inlets[i].to));
+    }
 }
 
 // Told once: from then on what is behind schedule is slept for.
@@ -35,17 +52,26 @@ void say_if_spinning_gave_up(const EventWaiter& waiter, bool& said) {
     spdlog::warn("precise waiting would take more than 80 % of a core: sleeping instead while that is so");
 }
 
-void relay_until_stopped(RelayEngine& engine, ControlServer* control, SessionTime end) {
+struct Servers {
+    std::optional<ControlServer> control{};
+    std::optional<MetricsServer> metrics{};
+};
+
+void relay_until_stopped(const RelaySettings& settings, RelayEngine& engine, Servers& servers,
+                         SessionTime end) {
     bool said = false;
+    std::vector<bool> said_closed(settings.inlets.size());
     SessionTime latest = wall_now() + kStopLatency;
     while (!stop_requested()) {
         engine.step(std::min(latest, end));
-        if (control != nullptr) control->serve(engine);
+        if (servers.control) servers.control->serve(engine);
+        if (servers.metrics) servers.metrics->serve(engine);
         const SessionTime now = wall_now();
         if (now >= end) return;
         if (now < latest) continue;
         latest = now + kStopLatency;
         say_if_spinning_gave_up(engine.waiter(), said);
+        say_if_nobody_listens(settings, engine.counted(), said_closed);
     }
 }
 
@@ -75,17 +101,20 @@ RelayState run_relay(const ServiceSettings& settings) {
     allow_descriptors(settings.relay.most_flows + settings.relay.inlets.size() + kOtherDescriptors);
     std::optional<PacketLog> log;
     if (!settings.log.empty()) log.emplace(settings.log);
-    std::optional<ControlServer> control;
-    if (!settings.control.empty()) control.emplace(settings.control);
+    Servers servers;
+    if (!settings.control.empty()) servers.control.emplace(settings.control);
+    if (settings.metrics) servers.metrics.emplace(*settings.metrics);
     install_stop_signals();
     RelaySettings relay = settings.relay;
     relay.precise = ask_for_precision(settings.runtime, relay.precise);
     RelayEngine engine(relay, log ? &*log : nullptr);
     say_ready(relay, engine);
+    if (servers.metrics) spdlog::info("metrics: http://{}/metrics", to_string(servers.metrics->address()));
     const SessionTime end = settings.length > Duration::zero() ? wall_now() + settings.length : kNever;
-    relay_until_stopped(engine, control ? &*control : nullptr, end);
+    relay_until_stopped(relay, engine, servers, end);
     RelayState state = engine.state(wall_now());
-    control.reset();
+    servers.control.reset();
+    servers.metrics.reset();
     if (log) log->finish();
     return state;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "common/runtime/runtime_settings.hpp"
 #include "netem/relay/relay_settings.hpp"
@@ -12,9 +13,10 @@ namespace thimble {
 struct ServiceSettings {
     RelaySettings relay;
     RuntimeSettings runtime;
-    std::filesystem::path log;      // "": none
-    std::filesystem::path control;  // "": none
-    Duration length{};              // 0: until a stop is requested
+    std::filesystem::path log;            // "": none
+    std::filesystem::path control;        // "": none
+    std::optional<UdpAddress> metrics{};  // where Prometheus asks (TCP)
+    Duration length{};                    // 0: until a stop is requested
 };
 
 // Asks for real-time scheduling and says what came of it; whether precise waiting may be used. Needs one thread that

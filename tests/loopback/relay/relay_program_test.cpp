@@ -239,19 +239,72 @@ TEST_F(RelayProgram, OutlivesGarbageOnItsControlSocket) {
     sockaddr_un name{};
     name.sun_family = AF_UNIX;
     control.copy(name.sun_path, sizeof name.sun_path - 1);
-    const int raw = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    netem.inlet();
+    std::vector<int> raws;
     for (const std::string& words :
          {std::string("set\nloss=\xff\xfe"), std::string(60000, '['), std::string(1, '\0'),
           std::string("set\n" + std::string(9000, '.') + "=1"),
           std::string("set\nx=" + std::string(8000, '['))}) {
-        sendto(raw, words.data(), words.size(), 0, static_cast<sockaddr*>(static_cast<void*>(&name)),
-               sizeof name);
+        raws.push_back(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+        ASSERT_EQ(connect(raws.back(), static_cast<sockaddr*>(static_cast<void*>(&name)), sizeof name), 0);
+        if (words[0] != '\0')
+            ::send(raws.back(), words.data(), words.size(), MSG_NOSIGNAL);  // the other one is silent
     }
-    close(raw);
     const Ended refused = run_netem({"set", "--control", control, "loss=\xff\xfe"});
     EXPECT_EQ(refused.code, 2) << refused.said;
     EXPECT_TRUE(client.round_trip("still here"));
     EXPECT_EQ(run_netem({"show", "--control", control}).code, 0);
+    for (const int raw : raws) close(raw);
+}
+
+// A path reaches across network namespaces; an abstract address does not.
+TEST_F(RelayProgram, IsControlledFromAnotherNetworkNamespace) {
+    const auto elsewhere = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"-rn", "--"});
+        Child child("unshare", words, folder_ / "err");
+        return child.wait(kPatience).value_or(-1);
+    };
+    if (elsewhere({"true"}) != 0)
+        GTEST_SKIP() << "no user namespaces here: sysctl kernel.unprivileged_userns_clone=1";
+    const std::string control = folder_ / "control",
+                      program = std::filesystem::path(THIMBLE_BIN_DIR) / "thimble-netem";
+    NetemProgram netem(in_front({"--control", control}));
+    netem.inlet();
+    EXPECT_EQ(elsewhere({program, "set", "--control", control, "up.delay_s=0.08"}), 0)
+        << read_text(folder_ / "err");
+    const Ended shown = run_netem({"show", "--control", control, "--json"});
+    EXPECT_EQ(json::parse(shown.printed).at("up").at("asked").at("delay_s"), 0.08);
+}
+
+TEST_F(RelayProgram, SaysThatNobodyListens) {
+    std::string address;
+    {
+        const UdpSocket gone = UdpSocket::listening(loopback());
+        address = to_string(gone.local());
+    }
+    NetemProgram netem({"--listen", "127.0.0.1:0", "--to", address});
+    const Client client(netem.inlet());
+    client.say("x");
+    EXPECT_TRUE(wait_until(
+        [&] { return netem.said().find("nobody listens at UDP " + address) != std::string::npos; }));
+}
+
+// They are the way up, and packets overtake each other under jitter.
+TEST_F(RelayProgram, SaysWhatTcsWordsMean) {
+    NetemProgram netem(
+        in_front({"--profile", "sudo tc qdisc add dev eth0 root netem delay 30ms 5ms", "--json"}));
+    const Client client(netem.inlet());
+    ASSERT_TRUE(client.round_trip("x"));
+    netem.signal(SIGINT);
+    ASSERT_EQ(netem.wait(), 0);
+    EXPECT_THAT(netem.said(), HasSubstr("the way up only"));
+    EXPECT_THAT(netem.said(), HasSubstr("up: packets overtake each other"));
+    const json summary = json::parse(netem.printed());
+    EXPECT_GE(summary.at("up").at("delay").at("achieved_mean_s").get<double>(), 0.025);
+    EXPECT_EQ(summary.at("down").at("asked").at("delay_s"), 0.0);
+    const Ended printed = run_netem({"--profile", "delay 30ms", "--print-tc", "eth1,eth0"});
+    EXPECT_THAT(printed.printed, HasSubstr("towards the server\ntc qdisc add dev eth1 root netem"));
+    EXPECT_THAT(printed.printed, HasSubstr("towards the clients\n# nothing"));
 }
 
 TEST_F(RelayProgram, RefusesAPortThatIsTaken) {

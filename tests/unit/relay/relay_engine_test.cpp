@@ -3,9 +3,11 @@
 #include "netem/relay/relay_engine.hpp"
 
 #include <arpa/inet.h>
+#include <netinet/udp.h>
 
 #include <gtest/gtest.h>
 
+#include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
@@ -218,6 +220,71 @@ TEST_F(Bench, ChangesLinksWhileItRuns) {
     say(a, "second");
     ASSERT_EQ(hear(server_, 1).size(), 1U);
     EXPECT_GE(wall_now() - begin, milliseconds{40});
+}
+
+// Through inlets of all kinds, and "congestion experienced" for what would be lost.
+TEST_F(Bench, CarriesDscpAndEcn) {
+    settings_.links.up.loss = LossSettings::independent(1);
+    settings_.links.up.ecn = true;
+    server_.tell_traffic_class();
+    start();
+    const UdpSocket a = client();
+    SendBatch batch;
+    const std::uint8_t byte = 7;
+    batch.add({&byte, 1}, nullptr, 0xba);
+    ASSERT_TRUE(batch.send(a.descriptor())[0]);
+    ReceiveBatch in;
+    for (const SessionTime end = wall_now() + seconds{10};
+         wall_now() < end && in.receive(server_.descriptor()) == 0;)
+        engine_->step(wall_now() + milliseconds{2});
+    EXPECT_EQ(in[0].traffic_class, 0xbb);
+    EXPECT_EQ(engine_->totals(wall_now())[RelayDirection::kUp].packets.marked, 1U);
+}
+
+TEST_F(Bench, RelaysIpv6) {
+    UdpSocket server;
+    try {
+        server = UdpSocket::listening(read_udp_address("[::1]:0", ""));
+    } catch (const Error&) {
+        GTEST_SKIP() << "this machine has no IPv6: sysctl net.ipv6.conf.lo.disable_ipv6=0";
+    }
+    settings_.inlets = {{UdpAddress::all(0), server.local()}};
+    start();
+    const std::string port = std::to_string(ntohs(engine_->inlet_address(0).port));
+    for (const char* host : {"127.0.0.1:", "[::1]:"}) {
+        const UdpSocket a = UdpSocket::connected(read_udp_address(host + port, ""));
+        say(a, "there");
+        const auto heard = hear(server, 1);
+        ASSERT_EQ(heard.size(), 1U) << host;
+        say(server, "back", &heard[0].from);
+        EXPECT_EQ(hear(a, 1).at(0).words, "back") << host;
+    }
+}
+
+TEST_F(Bench, CountsAnswersThatAPortIsClosed) {
+    {
+        const UdpSocket gone = UdpSocket::listening(loopback());
+        settings_.inlets = {{loopback(), gone.local()}};
+    }
+    start();
+    const UdpSocket a = client();
+    say(a, "x");
+    hear(a, 1, milliseconds{50});
+    EXPECT_EQ(engine_->totals(wall_now()).closed_ports, std::vector<std::uint64_t>{1});
+}
+
+// A receiver that takes pieces as they are (UDP_GRO) gets each datagram for itself.
+TEST_F(Bench, JoinsNothingAtALowRate) {
+    settings_.links.up.delay = milliseconds{20};
+    const int on = 1;
+    ASSERT_EQ(setsockopt(server_.descriptor(), SOL_UDP, UDP_GRO, &on, sizeof on), 0);
+    start();
+    const UdpSocket a = client();
+    for (int i = 0; i < 40; ++i) say(a, "x");
+    while (engine_->totals(wall_now())[RelayDirection::kUp].packets.pushed < 40)
+        engine_->step(wall_now() + milliseconds{1});
+    wall_sleep(milliseconds{30});  // now all are due at once
+    for (const Heard& heard : hear(server_, 40)) EXPECT_EQ(heard.words, "x");
 }
 
 TEST_F(Bench, HasSeveralInlets) {

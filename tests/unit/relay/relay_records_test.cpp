@@ -29,6 +29,24 @@ PacketRecord sample(std::uint64_t packet) {
             .copy = true};
 }
 
+TEST(DelayMoments, AreThoseOfTheSamples) {
+    DelayMoments moments;
+    EXPECT_EQ(moments.deviation_s(), 0);
+    for (const int ms : {40, 50, 60}) moments.add(std::chrono::milliseconds{ms});
+    EXPECT_NEAR(moments.mean_s(), 0.05, 1e-12);
+    EXPECT_NEAR(moments.deviation_s(), 0.01, 1e-12);
+    EXPECT_NEAR(moments.sum_s(), 0.15, 1e-12);
+}
+
+TEST(RelayReport, SaysWhatBecomesOfTheOrder) {
+    LinkSettings link{.delay = std::chrono::milliseconds{50}};
+    EXPECT_EQ(order_text(link), "");
+    link.jitter = {JitterShape::kNormal, std::chrono::milliseconds{10}};
+    EXPECT_THAT(order_text(link), HasSubstr("far above 50 ms"));
+    link.in_order = false;
+    EXPECT_THAT(order_text(link), HasSubstr("overtake"));
+}
+
 class LogFile : public testing::Test {
   protected:
     std::string path(const char* name) { return path_ = folder_ / name; }
