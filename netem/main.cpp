@@ -1,7 +1,9 @@
 // thimble-netem: a network of one's own choice. Alone in front of any UDP program, or as a node of a session.
 #include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -20,9 +22,11 @@ constexpr const char* kFooter =
     "  thimble-netem --listen 9000 --to robot:9001 --profile leo --precise --log packets.bin --control "
     "/tmp/netem\n"
     "  thimble-netem set --control /tmp/netem down.delay_s=0.1\n"
-    "  thimble-netem --selftest --profile lte --precise\n\n"
+    "  thimble-netem --selftest --profile lte --precise\n"
+    "  thimble-netem shell --profile lte -- ssh robot\n"
+    "  thimble-netem pair --profile wifi -- ./robot.sh -- ./operator.sh\n\n"
     "As a node of a Thimble session it is started without --listen: see thimble-netem node --help.\n"
-    "Manual: docs/network-relay.md.\n"
+    "Manual: docs/network-relay.md, docs/network-shell.md.\n"
     "Exit codes: 0 ok, 1 failed, 2 usage or configuration, 3 network, 4 real time, 5 data.";
 
 // A session starts its node with options alone, none of them these. A person may name the session file first.
@@ -37,6 +41,13 @@ bool is_node_call(int argc, char** argv) {
     });
 }
 
+// How many words are for this program: `shell` and `pair` have other programs, with words of their own, behind "--".
+int own_words(int argc, char** argv) {
+    const std::string_view first(argv[1]);
+    if (first != "shell" && first != "pair") return argc;
+    return static_cast<int>(std::find(argv, argv + argc, std::string_view("--")) - argv);
+}
+
 int run_stand_alone(int argc, char** argv) {
     CLI::App app("A network between UDP programs: delay, jitter, loss and more, with its own error measured.",
                  "thimble-netem");
@@ -44,9 +55,17 @@ int run_stand_alone(int argc, char** argv) {
     app.require_subcommand(0, 1);
     app.footer(kFooter);
     const auto relay = add_relay(app);
-    const std::array commands{add_import(app), add_fit(app),   add_set(app),
-                              add_show(app),   add_watch(app), add_log(app)};
-    if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+    const int own = own_words(argc, argv);
+    const std::vector<std::string> programs(argv + own, argv + argc);
+    const std::array commands{add_import(app),
+                              add_fit(app),
+                              add_set(app),
+                              add_show(app),
+                              add_watch(app),
+                              add_log(app),
+                              add_shell(app, programs),
+                              add_pair(app, programs)};
+    if (const auto exit_code = parse_command_line(app, own, argv)) return *exit_code;
     const auto given = std::find_if(commands.begin(), commands.end(),
                                     [](const NetemCommand& command) { return command.subcommand->parsed(); });
     return given == commands.end() ? relay() : given->run();

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
@@ -23,6 +25,9 @@ NetemCommand add_set(CLI::App& app);
 NetemCommand add_show(CLI::App& app);
 NetemCommand add_watch(CLI::App& app);
 NetemCommand add_log(CLI::App& app);
+// `programs`: the command line from its first "--" on.
+NetemCommand add_shell(CLI::App& app, const std::vector<std::string>& programs);
+NetemCommand add_pair(CLI::App& app, const std::vector<std::string>& programs);
 
 // A node of a session, between master and slave_sim: a program of its own with its own command line.
 int run_node(int argc, char** argv);

@@ -14,7 +14,6 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/control_text.hpp"
-#include "netem/relay/relay_engine.hpp"
 #include "netem/relay/relay_report.hpp"
 
 namespace thimble {
@@ -146,12 +145,12 @@ std::string ControlServer::answer(std::string_view request) {
     nlohmann::ordered_json json{{"ok", true}};
     try {
         const ControlRequest wanted = parse_request(request);
-        RelayState state = mailbox_.ask([](RelayEngine& engine) { return engine.state(wall_now()); });
+        RelayState state = mailbox_.ask([](SteeredRelay& relay) { return relay.state(wall_now()); });
         if (wanted.verb == ControlRequest::Verb::kSet) {
             const LinkPair links = assign(state.links, wanted.assignments);
-            state = mailbox_.ask([&](RelayEngine& engine) {
-                engine.change(wall_now(), links);
-                return engine.state(wall_now());
+            state = mailbox_.ask([&](SteeredRelay& relay) {
+                relay.change(wall_now(), links);
+                return relay.state(wall_now());
             });
         }
         json.update(describe(state));

@@ -26,7 +26,7 @@ class ControlServer : boost::noncopyable {
     ~ControlServer();
 
     // For the relaying thread, in each of its rounds: what the other thread asks for. Never waits.
-    void serve(RelayEngine& engine) { mailbox_.serve(engine); }
+    void serve(SteeredRelay& relay) { mailbox_.serve(relay); }
 
   private:
     struct Asker {

@@ -12,7 +12,6 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/metrics_text.hpp"
-#include "netem/relay/relay_engine.hpp"
 
 namespace thimble {
 namespace {
@@ -118,7 +117,7 @@ std::string MetricsServer::answer_to(const std::string& request) {
     const std::string path = request.substr(4, request.find_first_of(" \r\n", 4) - 4);
     if (path.substr(0, path.find('?')) != "/metrics") return refusal("404 Not Found");
     try {
-        const RelayState state = mailbox_.ask([](RelayEngine& engine) { return engine.state(wall_now()); });
+        const RelayState state = mailbox_.ask([](SteeredRelay& relay) { return relay.state(wall_now()); });
         return response("200 OK", "text/plain; version=0.0.4; charset=utf-8", metrics_text(state));
     } catch (const std::exception&) {
         return refusal("503 Service Unavailable");

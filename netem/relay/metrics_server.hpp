@@ -23,7 +23,7 @@ class MetricsServer : boost::noncopyable {
     ~MetricsServer();
 
     // For the relaying thread, in each of its rounds. Never waits.
-    void serve(RelayEngine& engine) { mailbox_.serve(engine); }
+    void serve(SteeredRelay& relay) { mailbox_.serve(relay); }
     UdpAddress address() const;
 
   private:

@@ -19,6 +19,7 @@
 #include "netem/relay/packet_record.hpp"
 #include "netem/relay/relay_totals.hpp"
 #include "netem/relay/send_lead.hpp"
+#include "netem/relay/steered_relay.hpp"
 
 namespace thimble {
 
@@ -30,24 +31,24 @@ inline StreamKey flow_key(std::uint64_t seed, std::uint32_t inlet, std::uint32_t
     return {.study = seed, .experiment = inlet, .subject = flow};
 }
 
-class RelayEngine {
+class RelayEngine final : public SteeredRelay {
   public:
     // Opens the inlets. `log` may be null and must outlive the engine. Throws Error (network) for a taken port.
     RelayEngine(const RelaySettings& settings, PacketSink* log);
-    ~RelayEngine();
+    ~RelayEngine() override;
 
     // One wait, no longer than until `latest` or a tenth of a second, and what follows from it. Sends what is due before it
     // receives; what is due by the time it could be on its way counts as due (send_lead.hpp).
     void step(SessionTime latest);
 
     // From now on other links, for all flows; what is in flight keeps its fate.
-    void change(SessionTime now, const LinkPair& links);
+    void change(SessionTime now, const LinkPair& links) override;
     const LinkPair& links() const { return settings_.links; }
 
     RelayTotals totals(SessionTime now) const;
     // Without the counters of open flows, which totals() sums up.
     const RelayTotals& counted() const { return totals_; }
-    RelayState state(SessionTime now) const;
+    RelayState state(SessionTime now) const override;
     UdpAddress inlet_address(std::size_t inlet) const { return inlets_[inlet].local(); }
     // From when on outages, timelines and traces by time count. Slots begin with their flow.
     SessionTime start() const { return start_; }

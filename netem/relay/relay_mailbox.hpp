@@ -7,16 +7,14 @@
 #include <future>
 
 #include "common/error.hpp"
-#include "netem/relay/relay_totals.hpp"
+#include "netem/relay/steered_relay.hpp"
 
 namespace thimble {
-
-class RelayEngine;
 
 // For one asking thread.
 class RelayMailbox {
   public:
-    using Job = std::function<RelayState(RelayEngine& engine)>;
+    using Job = std::function<RelayState(SteeredRelay& relay)>;
 
     // Waits for the answer. Throws Error (run failed) if the relay does not come to it, and what the job throws.
     RelayState ask(const Job& job) {
@@ -31,16 +29,16 @@ class RelayMailbox {
     }
 
     // For the relaying thread, in each of its rounds. Never waits.
-    void serve(RelayEngine& engine) {
+    void serve(SteeredRelay& relay) {
         if (waiting_.load(std::memory_order_relaxed) == nullptr) return;
         Task* const waiting = waiting_.exchange(nullptr);
         if (waiting == nullptr) return;
         Task task = std::move(*waiting);  // gone once it has been answered
-        task(engine);
+        task(relay);
     }
 
   private:
-    using Task = std::packaged_task<RelayState(RelayEngine& engine)>;
+    using Task = std::packaged_task<RelayState(SteeredRelay& relay)>;
     static constexpr std::chrono::seconds kRelayPatience{2};
 
     std::atomic<Task*> waiting_{nullptr};

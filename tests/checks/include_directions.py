@@ -12,7 +12,7 @@ RANK = {room: rank for rank, rooms in enumerate(RANKS) for room in rooms}
 # Sub-rooms, lowest first. "." is the room's own folder; where it is absent, that folder and its sub-rooms share a rank.
 SUB_ROOMS = {
     "common": ("control", "velocity", "security", "hid", "log", "csv", "runtime", "process"),
-    "netem": ("stages", "formats", "import", "profiles", "relay", "commands"),
+    "netem": ("stages", "formats", "import", "profiles", "relay", "shell", "commands"),
     "master": ("operator", "devices"),
     "slave_sim": ("elements",),
     "cutaneous_node": ("fingertip", "can", "board", "emulator"),

@@ -43,8 +43,8 @@ Verdict check_log(Bytes bytes);
 // stepped.
 Verdict check_needle(Bytes text);
 // A description of a network. The first byte chooses the reader: '0' tc's words, '1' .dist, '2' trace (CSV), '3' mahimahi, '4' pcap,
-// '5' irtt, '6' ping, '7' profile.
-inline constexpr unsigned kNetworkReaders = 8;
+// '5' irtt, '6' ping, '7' profile, '8' an IP packet or a frame with one.
+inline constexpr unsigned kNetworkReaders = 9;
 Verdict check_network_files(Bytes bytes);
 // A table of trials, a trajectory, or the events beside it; accepted by one of the three readers. Rows are the same when they are
 // written and read again.

@@ -12,6 +12,8 @@
 #include "netem/import/importers.hpp"
 #include "netem/link_model.hpp"
 #include "netem/profiles/profiles.hpp"
+#include "netem/shell/ip_packet.hpp"
+#include "netem/shell/slirp_frames.hpp"
 #include "tests/fuzz/checks.hpp"
 
 namespace thimble {
@@ -138,6 +140,20 @@ Verdict check_profile(std::string_view text) {
                       : "a profile that changes when it is written and read again"};
 }
 
+// Every span lies in the frame, and the parts of what is carried are there.
+Verdict check_ip_packet(Bytes frame) {
+    for (const Bytes bytes : {frame, ip_of_frame(frame)}) {
+        const IpPacket packet = read_ip_packet(bytes);
+        if (packet.kind == IpKind::kGarbage) continue;
+        const bool inside =
+            packet.bytes.data() == bytes.data() && packet.bytes.size() <= bytes.size() &&
+            packet.destination.size() == (packet.v6 ? 16U : 4U) &&
+            packet.destination.data() + packet.destination.size() <= bytes.data() + bytes.size();
+        return {true, inside ? "" : "a part outside of the packet"};
+    }
+    return {};
+}
+
 Verdict check_with_reader(unsigned reader, std::string_view text) {
     switch (reader) {
         case 0:
@@ -154,8 +170,10 @@ Verdict check_with_reader(unsigned reader, std::string_view text) {
             return check_irtt(text);
         case 6:
             return {true, flaw_of_path(parse_ping(text, kNetworkName, std::chrono::seconds{1}))};
-        default:
+        case 7:
             return check_profile(text);
+        default:
+            return check_ip_packet(bytes_of_text(text));
     }
 }
 

@@ -1,0 +1,27 @@
+// The little that a link must know of an IP packet: is it one, how long is it, where does it go, and does it belong to the
+// program or only to the two kernels at the ends.
+#pragma once
+
+#include <cstdint>
+
+#include "common/channel.hpp"
+
+namespace thimble {
+
+enum class IpKind : std::uint8_t {
+    kData,  // the link carries it, and it has a number
+    kLocal,  // IGMP, MLD, neighbour and router discovery: kernels send these by their own timers, and two ends need none
+    kGarbage,  // no IP packet, or one that is cut
+};
+
+struct IpPacket {
+    IpKind kind = IpKind::kGarbage;
+    bool v6 = false;
+    Bytes bytes{};        // without what may follow the packet in its frame
+    Bytes destination{};  // 4 or 16 bytes
+};
+
+// Never throws; the spans point into `frame`.
+IpPacket read_ip_packet(Bytes frame);
+
+}  // namespace thimble

@@ -1,0 +1,202 @@
+#include "netem/shell/packet_relay.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <unistd.h>
+#include <utility>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "netem/relay/relay_engine.hpp"
+#include "netem/shell/slirp_frames.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::size_t kPacketsPerTurn = 16;
+constexpr std::size_t kReadsPerTurn = 32;
+constexpr std::uint64_t kWakeTag = 1000;
+constexpr std::size_t kRoomBytes = 65536 + kEthernetBytes;
+
+LinkModel link_of(const PacketRelaySettings& settings, bool up, SessionTime start) {
+    return {up ? settings.links.up : settings.links.down,
+            flow_key(settings.seed, 0, 0),
+            up ? kRelayUp : kRelayDown,
+            up ? settings.timelines.up : settings.timelines.down,
+            start,
+            start};
+}
+
+bool same(Bytes a, const std::vector<std::uint8_t>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end());
+}
+
+}  // namespace
+
+class PacketRelay::DropNote final : public LinkObserver {
+  public:
+    DropNote(PacketSink& log, std::size_t direction)
+        : log_(&log), direction_(static_cast<RelayDirection>(direction)) {}
+
+    void expect(std::size_t bytes) { bytes_ = bytes; }
+    void on_drop(std::uint64_t packet, SessionTime received, DropReason reason) override {
+        PacketRecord record;
+        record.packet = packet;
+        record.received_ns = to_nanoseconds(received);
+        record.bytes = static_cast<std::uint32_t>(bytes_);
+        record.direction = direction_;
+        record.fate = fate_of(reason);
+        log_->add(record);
+    }
+
+  private:
+    PacketSink* log_;
+    RelayDirection direction_;
+    std::size_t bytes_ = 0;
+};
+
+PacketRelay::PacketRelay(const PacketRelaySettings& settings, PacketSink* log, int wake)
+    : settings_(settings),
+      log_(log),
+      waiter_(settings.precise),
+      start_(wall_now()),
+      links_{link_of(settings, true, start_), link_of(settings, false, start_)},
+      ports_{settings.inner} {
+    ports_.insert(ports_.end(), settings.outer.begin(), settings.outer.end());
+    bool added = waiter_.add(wake, kWakeTag);
+    for (std::size_t i = 0; i < ports_.size(); ++i) added = waiter_.add(ports_[i].descriptor, i) && added;
+    if (!added) throw Error(ExitCode::kRunFailed, "cannot wait for packets: too many open files?");
+    for (std::size_t d = 0; log_ != nullptr && d < 2; ++d) {
+        drops_[d] = std::make_unique<DropNote>(*log_, d);
+        links_[d].observe(drops_[d].get());
+    }
+}
+
+PacketRelay::~PacketRelay() = default;
+
+void PacketRelay::step(SessionTime latest) {
+    std::array<epoll_event, 8> room{};
+    const auto events = waiter_.wait(next_due() - send_lead(), latest, room);
+    const SessionTime now = wall_now();
+    if (next_due() <= now + send_lead()) {
+        woken_ = now;
+        send_due(now + send_lead());
+    }
+    for (const epoll_event& event : events) {
+        if (event.data.u64 != kWakeTag) receive(event.data.u64);
+    }
+    if (!events.empty()) send_due(wall_now());
+}
+
+// The two links take turns: a flood in one direction cannot hold up the other.
+void PacketRelay::send_due(SessionTime now) {
+    if (next_due() > now) return;
+    if (now - next_due() > kStall) ++totals_.stalls;
+    for (bool more = true; more;) {
+        const bool up = send_turn(0, now);
+        more = send_turn(1, now) || up;
+    }
+}
+
+bool PacketRelay::send_turn(std::size_t direction, SessionTime now) {
+    for (std::size_t i = 0; i < kPacketsPerTurn; ++i) {
+        const Departure departure = links_[direction].pop_departure(now);
+        if (departure.bytes.empty()) return false;
+        send(direction, departure);
+    }
+    return true;
+}
+
+const PacketPort& PacketRelay::port_for(std::size_t direction, Bytes packet) const {
+    if (direction == 1) return ports_.front();
+    const Bytes destination = read_ip_packet(packet).destination;
+    const auto found = std::find_if(ports_.begin() + 1, ports_.end(), [&](const PacketPort& port) {
+        return !destination.empty() && (same(destination, port.host4) || same(destination, port.host6));
+    });
+    return found == ports_.end() ? ports_.back() : *found;
+}
+
+void PacketRelay::send(std::size_t direction, const Departure& departure) {
+    const PacketPort& port = port_for(direction, departure.bytes);
+    const SessionTime before = wall_now();
+    if (const SessionTime woken = std::exchange(woken_, kNever); woken != kNever)
+        handling_.add(before - woken);
+    const bool accepted = port.ethernet
+                              ? send_frame(port.descriptor, departure.bytes)
+                              : write(port.descriptor, departure.bytes.data(), departure.bytes.size()) > 0;
+    const SessionTime sent = wall_now();
+    writing_.add(sent - before);
+    record_sent(direction, departure, sent, accepted);
+}
+
+void PacketRelay::record_sent(std::size_t direction, const Departure& departure, SessionTime sent,
+                              bool accepted) {
+    DirectionTotals& totals = totals_.direction[direction];
+    if (accepted) {
+        totals.bytes += departure.bytes.size();
+        totals.delay.add(sent - departure.received);
+        totals.error.add(sent - departure.due);
+        if (sent - departure.due > kStall) ++totals.late;
+    } else {
+        ++totals.refused;
+    }
+    if (log_ == nullptr) return;
+    log_->add({.packet = departure.packet,
+               .received_ns = to_nanoseconds(departure.received),
+               .due_ns = to_nanoseconds(departure.due),
+               .sent_ns = accepted ? to_nanoseconds(sent) : 0,
+               .bytes = static_cast<std::uint32_t>(departure.bytes.size()),
+               .direction = static_cast<RelayDirection>(direction),
+               .fate = accepted ? LoggedFate::kSent : LoggedFate::kRefused,
+               .corrupted = departure.corrupted,
+               .copy = departure.copy});
+}
+
+void PacketRelay::receive(std::size_t port) {
+    std::array<std::uint8_t, kRoomBytes>
+        room;  // NOLINT(cppcoreguidelines-pro-type-member-init): read() fills it
+    const std::size_t direction = port == 0 ? 0 : 1;
+    for (std::size_t i = 0; i < kReadsPerTurn; ++i) {
+        const auto size = read(ports_[port].descriptor, room.data(), room.size());
+        if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
+        if (size <= 0) return close_port(port);
+        const Bytes frame{room.data(), static_cast<std::size_t>(size)};
+        const IpPacket packet = read_ip_packet(ports_[port].ethernet ? ip_of_frame(frame) : frame);
+        if (packet.kind != IpKind::kData) {
+            ++(packet.kind == IpKind::kLocal ? port_totals_.local : port_totals_.garbage);
+            continue;
+        }
+        if (drops_[direction]) drops_[direction]->expect(packet.bytes.size());
+        SessionTime& last = last_received_[direction];
+        last = std::max(last, wall_now());
+        links_[direction].push(last, packet.bytes);
+    }
+}
+
+// The other ports go on: a shell whose slirp4netns has ended still reaches this machine.
+void PacketRelay::close_port(std::size_t port) {
+    waiter_.remove(ports_[port].descriptor);
+    ++port_totals_.ports_closed;
+}
+
+void PacketRelay::change(SessionTime now, const LinkPair& links) {
+    settings_.links = links;
+    links_[0].change(now, links.up);
+    links_[1].change(now, links.down);
+}
+
+RelayState PacketRelay::state(SessionTime now) const {
+    RelayState state{.links = settings_.links,
+                     .totals = totals_,
+                     .waiting = waiter_.counters(),
+                     .margin = waiter_.margin(),
+                     .precise = waiter_.precise(),
+                     .send_lead = send_lead()};
+    for (std::size_t d = 0; d < 2; ++d) state.totals.direction[d].packets = links_[d].counters();
+    state.totals.flows = state.totals.flows_opened = 1;
+    state.totals.log_missing = log_ == nullptr ? 0 : log_->missing();
+    state.totals.running = now - start_;
+    return state;
+}
+
+}  // namespace thimble

@@ -1,0 +1,88 @@
+// Two links between the device of a program's namespace and its other end: another namespace, this machine, or slirp4netns.
+//
+//   inner device --> link up --> outer port
+//   inner device <-- link down <-- outer ports
+//
+// One link for each direction: all packets of a direction count from 0, whatever their addresses and protocols are.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "common/runtime/event_waiter.hpp"
+#include "netem/link_model.hpp"
+#include "netem/relay/packet_record.hpp"
+#include "netem/relay/relay_totals.hpp"
+#include "netem/relay/send_lead.hpp"
+#include "netem/relay/steered_relay.hpp"
+#include "netem/shell/ip_packet.hpp"
+
+namespace thimble {
+
+struct PacketPort {
+    int descriptor = -1;    // non-blocking; one packet per read and write
+    bool ethernet = false;  // slirp4netns: an Ethernet header stands before each packet
+    std::vector<std::uint8_t> host4{},
+        host6{};  // what goes to these addresses goes here; the rest to the last port
+};
+
+struct PacketRelaySettings {
+    LinkPair links;
+    TimelinePair timelines;
+    std::uint64_t seed = 1;
+    bool precise = false;
+    PacketPort inner;
+    std::vector<PacketPort> outer;
+};
+
+// Packets that no link has seen.
+struct PortTotals {
+    std::uint64_t garbage = 0;       // no IP packets
+    std::uint64_t local = 0;         // IpKind::kLocal
+    std::uint64_t ports_closed = 0;  // ends that are gone: a namespace without processes, slirp4netns
+};
+
+class PacketRelay final : public SteeredRelay {
+  public:
+    // `log` may be null and must outlive the relay. `wake`: a descriptor that ends a step when it is readable.
+    // Throws Error (run failed).
+    PacketRelay(const PacketRelaySettings& settings, PacketSink* log, int wake);
+    ~PacketRelay() override;
+
+    // One wait, not beyond `latest`, and what follows from it.
+    void step(SessionTime latest);
+    void change(SessionTime now, const LinkPair& links) override;
+    RelayState state(SessionTime now) const override;
+    const PortTotals& ports() const { return port_totals_; }
+    bool empty() const { return links_[0].in_flight() + links_[1].in_flight() == 0; }
+    const EventWaiter& waiter() const { return waiter_; }
+
+  private:
+    class DropNote;
+
+    void send_due(SessionTime now);
+    bool send_turn(std::size_t direction, SessionTime now);
+    void send(std::size_t direction, const Departure& departure);
+    const PacketPort& port_for(std::size_t direction, Bytes packet) const;
+    void receive(std::size_t port);
+    void close_port(std::size_t port);
+    void record_sent(std::size_t direction, const Departure& departure, SessionTime sent, bool accepted);
+    SessionTime next_due() const { return std::min(links_[0].next_due(), links_[1].next_due()); }
+    Duration send_lead() const { return handling_.least() + writing_.least() / 2; }
+
+    PacketRelaySettings settings_;
+    PacketSink* log_;
+    EventWaiter waiter_;
+    SessionTime start_;
+    std::array<LinkModel, 2> links_;  // RelayDirection
+    std::vector<PacketPort> ports_;   // the inner one, then the outer ones
+    std::array<std::unique_ptr<DropNote>, 2> drops_;
+    std::array<SessionTime, 2> last_received_{};
+    LeastLately handling_, writing_;  // from waking to the call that sends; that call
+    SessionTime woken_ = kNever;      // by a due time, until the first packet has been sent
+    RelayTotals totals_;
+    PortTotals port_totals_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,46 @@
+// A program in a network namespace of its own, with one device that leads to the link. It keeps its environment, its folder, its
+// terminal and its user. Without root the namespace belongs to a user namespace in which the user has the same number.
+#pragma once
+
+#include <string>
+#include <sys/types.h>
+#include <utility>
+#include <vector>
+
+#include <boost/core/noncopyable.hpp>
+
+#include "netem/shell/tun_device.hpp"
+
+namespace thimble {
+
+struct RoomSettings {
+    std::vector<std::string> command;
+    std::vector<TunAddress> addresses;
+    std::string name_server{};  // written to the room's own /etc/resolv.conf; empty: as outside
+    bool own_input = true;      // reads this program's standard input; otherwise nothing
+};
+
+using Environment = std::vector<std::pair<std::string, std::string>>;
+
+class ProgramRoom : boost::noncopyable {
+  public:
+    // Makes namespace and device; the program waits for start(). Call before there are other threads.
+    // Throws Error: network, with one line that says what to switch on; usage for a program that is not there.
+    explicit ProgramRoom(const RoomSettings& settings);
+    // Kills the program if it still runs.
+    ~ProgramRoom();
+
+    int device() const { return device_; }
+    bool has_ip6() const { return has_ip6_; }
+    pid_t pid() const { return pid_; }
+    void start(const Environment& environment);
+
+  private:
+    void hear_of_device();
+
+    pid_t pid_ = -1;
+    int line_ = -1, device_ = -1;
+    bool has_ip6_ = false;
+};
+
+}  // namespace thimble

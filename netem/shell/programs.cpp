@@ -1,0 +1,78 @@
+#include "netem/shell/programs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace thimble {
+namespace {
+
+constexpr std::array kForwarded{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2};
+constexpr Duration kAfterCtrlC = std::chrono::seconds{1};
+constexpr Duration kPatience = std::chrono::seconds{2};
+
+}  // namespace
+
+SignalLine::SignalLine() : descriptor_(-1) {
+    sigset_t wanted;
+    sigemptyset(&wanted);
+    for (const int number : kForwarded) sigaddset(&wanted, number);
+    sigaddset(&wanted, SIGCHLD);
+    pthread_sigmask(SIG_BLOCK, &wanted, nullptr);
+    descriptor_ = signalfd(-1, &wanted, SFD_NONBLOCK | SFD_CLOEXEC);
+}
+
+SignalLine::~SignalLine() { close(descriptor_); }
+
+std::optional<signalfd_siginfo> SignalLine::next() {
+    signalfd_siginfo signal{};
+    if (read(descriptor_, &signal, sizeof signal) != sizeof signal) return std::nullopt;
+    return signal;
+}
+
+// A terminal has sent its signals to the programs too (si_code SI_KERNEL), unless they have left the process group.
+void Programs::obey(const signalfd_siginfo& signal, SessionTime now) {
+    const int number = static_cast<int>(signal.ssi_signo);
+    if (number == SIGCHLD) return;
+    if (signal.ssi_code != SI_KERNEL) signal_all(number);
+    const bool ends = number == SIGTERM || number == SIGHUP || (number == SIGINT && rooms_.size() > 1);
+    if (!ends) return;
+    if (++asked_ > 1) signal_all(SIGKILL);
+    if (rooms_.size() > 1) ask_at_ = std::min(ask_at_, now + kAfterCtrlC);
+}
+
+void Programs::signal_all(int number) {
+    for (std::size_t i = 0; i < rooms_.size(); ++i) {
+        if (!codes_[i]) kill(rooms_[i]->pid(), number);
+    }
+}
+
+void Programs::look(SessionTime now) {
+    for (std::size_t i = 0; i < rooms_.size(); ++i) {
+        int status = 0;
+        if (!codes_[i] && waitpid(rooms_[i]->pid(), &status, WNOHANG) == rooms_[i]->pid())
+            note_end(i, status, now);
+    }
+    if (now >= ask_at_) {
+        signal_all(SIGTERM);
+        ask_at_ = kNever;
+        kill_at_ = now + kPatience;
+    }
+    if (now >= kill_at_) signal_all(SIGKILL);
+}
+
+void Programs::note_end(std::size_t program, int status, SessionTime now) {
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    const bool ended_by_us = kill_at_ != kNever && code > 128;
+    codes_[program] = code;
+    if (exit_code_ == 0 && !ended_by_us) exit_code_ = code;
+    if (kill_at_ == kNever) ask_at_ = now;
+}
+
+bool Programs::all_ended() const {
+    return std::all_of(codes_.begin(), codes_.end(), [](const auto& code) { return code.has_value(); });
+}
+
+}  // namespace thimble

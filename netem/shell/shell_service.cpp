@@ -1,0 +1,141 @@
+#include "netem/shell/shell_service.hpp"
+
+#include <optional>
+
+#include <spdlog/spdlog.h>
+
+#include "common/runtime/wall_clock.hpp"
+#include "netem/relay/control_server.hpp"
+#include "netem/relay/packet_log.hpp"
+#include "netem/relay/relay_report.hpp"
+#include "netem/relay/relay_service.hpp"
+#include "netem/shell/leftovers.hpp"
+#include "netem/shell/packet_relay.hpp"
+#include "netem/shell/programs.hpp"
+#include "netem/shell/way_out.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Duration kLook = std::chrono::milliseconds{100};  // at programs, without a signal
+constexpr Duration kQuiet = std::chrono::milliseconds{20};  // an empty link for so long has nothing to come
+constexpr Duration kLinger = std::chrono::seconds{2};  // beyond the delays, for what ended programs have sent
+
+std::vector<std::unique_ptr<ProgramRoom>> make_rooms(const std::vector<RoomSettings>& settings) {
+    std::vector<std::unique_ptr<ProgramRoom>> rooms;
+    rooms.reserve(settings.size());
+    for (const RoomSettings& room : settings) rooms.push_back(std::make_unique<ProgramRoom>(room));
+    return rooms;
+}
+
+TunAddress pair_address(std::size_t i) {
+    return {fmt::format("10.77.0.{}", i + 1), fmt::format("fd77::{}", i + 1), 24, 64};
+}
+
+Environment pair_environment(std::size_t i, bool has_ip6) {
+    const TunAddress own = pair_address(i), peer = pair_address(1 - i);
+    Environment environment{{"THIMBLE_HOST", peer.ip4}, {"THIMBLE_OWN", own.ip4}};
+    if (has_ip6) {
+        environment.emplace_back("THIMBLE_HOST6", peer.ip6);
+        environment.emplace_back("THIMBLE_OWN6", own.ip6);
+    }
+    return environment;
+}
+
+// What ended programs have sent may still be under way: the kernel sends on for them.
+class Linger {
+  public:
+    explicit Linger(const LinkPair& links)
+        : longest_(kLinger + nearly_longest_delay(links.up) + nearly_longest_delay(links.down)) {}
+    bool over(SessionTime now, bool link_is_empty) {
+        if (end_ == kNever) end_ = now + longest_;
+        if (!link_is_empty || empty_since_ == kNever) empty_since_ = link_is_empty ? now : kNever;
+        return now >= end_ || (link_is_empty && now - empty_since_ >= kQuiet);
+    }
+
+  private:
+    Duration longest_;
+    SessionTime end_ = kNever, empty_since_ = kNever;
+};
+
+void relay_until_ended(PacketRelay& relay, Programs& programs, SignalLine& signals, ControlServer* control,
+                       Linger linger) {
+    for (;;) {
+        SessionTime now = wall_now();
+        relay.step(now + (programs.all_ended() ? kQuiet / 4 : kLook));
+        if (control != nullptr) control->serve(relay);
+        now = wall_now();
+        while (const auto signal = signals.next()) programs.obey(*signal, now);
+        programs.look(now);
+        if (programs.all_ended() && linger.over(now, relay.empty())) return;
+    }
+}
+
+struct Wiring {
+    PacketPort inner;
+    std::vector<PacketPort> outer;
+    std::vector<Environment> environments;
+};
+
+ShellResult run_wired(const ShellSettings& settings, Programs& programs, SignalLine& signals,
+                      const Wiring& wiring) {
+    std::optional<PacketLog> log;
+    if (!settings.log.empty()) log.emplace(settings.log);
+    std::optional<ControlServer> control;
+    if (!settings.control.empty()) control.emplace(settings.control);
+    const bool precise = ask_for_precision(settings.runtime, settings.precise);
+    PacketRelay relay(
+        {settings.links, settings.timelines, settings.seed, precise, wiring.inner, wiring.outer},
+        log ? &*log : nullptr, signals.descriptor());
+    for (std::size_t i = 0; i < wiring.environments.size(); ++i) programs.start(i, wiring.environments[i]);
+    relay_until_ended(relay, programs, signals, control ? &*control : nullptr, Linger(settings.links));
+    ShellResult result{programs.exit_code(), describe(relay.state(wall_now()))};
+    result.report["shell"] = {{"no_ip_packets", relay.ports().garbage},
+                              {"kernel_packets", relay.ports().local},
+                              {"ends_closed", relay.ports().ports_closed}};
+    control.reset();
+    if (log) log->finish();
+    return result;
+}
+
+// Whatever ends this function, no process stays.
+struct Sweeper {
+    pid_t spared = -1;
+    ~Sweeper() { end_descendants(spared); }
+};
+
+ShellResult run_one(const ShellSettings& settings, SignalLine& signals) {
+    WayOut way_out;
+    const Sweeper sweeper{way_out.slirp()};
+    Programs programs(make_rooms({{.command = settings.commands[0],
+                                   .addresses = way_out.program_addresses(),
+                                   .name_server = way_out.name_server()}}));
+    const Environment environment = way_out.environment(programs.room(0).has_ip6());
+    spdlog::info("this machine is {}{}, {:g} ms up, {:g} ms down", environment[0].second,
+                 environment.size() > 1 ? " and " + environment[1].second : "",
+                 1e3 * to_seconds(settings.links.up.delay), 1e3 * to_seconds(settings.links.down.delay));
+    return run_wired(settings, programs, signals,
+                     {{programs.room(0).device()}, way_out.ports(), {environment}});
+}
+
+ShellResult run_two(const ShellSettings& settings, SignalLine& signals) {
+    const Sweeper sweeper;
+    Programs programs(
+        make_rooms({{.command = settings.commands[0], .addresses = {pair_address(0)}, .own_input = false},
+                    {.command = settings.commands[1], .addresses = {pair_address(1)}}}));
+    return run_wired(
+        settings, programs, signals,
+        {{programs.room(0).device()},
+         {{programs.room(1).device()}},
+         {pair_environment(0, programs.room(0).has_ip6()), pair_environment(1, programs.room(1).has_ip6())}});
+}
+
+}  // namespace
+
+ShellResult run_shell(const ShellSettings& settings) {
+    SignalLine signals;
+    adopt_orphans();
+    return settings.commands.size() == 1 ? run_one(settings, signals) : run_two(settings, signals);
+}
+
+}  // namespace thimble

@@ -1,0 +1,54 @@
+// thimble-netem pair: two programs and the link between them.
+#include <csignal>
+
+#include <gmock/gmock.h>
+
+#include "tests/loopback/shell/shell_rig.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+struct PairProgram : ShellTest {};
+
+TEST_F(PairProgram, EachReachesTheOtherAndAllEndWithTheFirst) {
+    THIMBLE_NEEDS("ping", "iputils-ping");
+    const ProgramResult result =
+        netem("pair --link delay_s=0.01", {"sleep 1000", "ping -c 3 -i 0.1 $THIMBLE_HOST"});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_THAT(result.output, HasSubstr("3 received"));
+    EXPECT_GE(least_ping_ms(result.output), 20) << result.output;
+}
+
+TEST_F(PairProgram, ExitCodeIsTheFirstThatIsNotZero) {
+    EXPECT_EQ(netem("pair", {"sleep 1000", "exit 4"}).exit_code, 4);
+    EXPECT_EQ(netem("pair", {"exit 6", "trap 'exit 1' TERM; while :; do sleep 0.05; done"}).exit_code, 6);
+}
+
+TEST_F(PairProgram, CtrlCEndsBoth) {
+    Child child(netem_program(), netem_words("pair", {"sleep 1000", "echo > ready; sleep 1000"}),
+                folder_ / "words", {}, {.directory = folder_ / ""});
+    ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder_ / "ready"); }));
+    child.signal(SIGINT);
+    EXPECT_EQ(child.wait(kPatience), 128 + SIGINT);
+}
+
+// Of DDS discovery: one side joins a group, the other one speaks to it.
+TEST_F(PairProgram, MulticastComesAcross) {
+    THIMBLE_NEEDS("python3", "python3-minimal");
+    const ProgramResult result =
+        netem("pair --link delay_s=0.01", {"python3 -c \"import socket, time\ns = "
+                                           "socket.socket(socket.AF_INET, socket.SOCK_DGRAM)\nwhile True:\n"
+                                           "  s.sendto(b'found', ('239.255.0.1', 7400)); time.sleep(0.1)\"",
+                                           "python3 -c \"import socket\ns = socket.socket(socket.AF_INET, "
+                                           "socket.SOCK_DGRAM)\ns.bind(('', 7400))\n"
+                                           "s.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, "
+                                           "socket.inet_aton('239.255.0.1') + bytes(4))\n"
+                                           "s.settimeout(10)\nprint(s.recvfrom(100))\""});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_THAT(result.output, HasSubstr("b'found', ('10.77.0.1'"));
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,141 @@
+// thimble-netem shell around small scripts: what a program finds behind the link, and what it leaves.
+#include <array>
+#include <csignal>
+#include <fstream>
+#include <mutex>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/loopback/shell/shell_rig.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+struct ShellProgram : ShellTest {};
+
+TEST_F(ShellProgram, ExitCodeIsThePrograms) {
+    EXPECT_EQ(netem("shell", {"exit 7"}).exit_code, 7);
+    EXPECT_EQ(netem("shell", {"kill -9 $$"}).exit_code, 137);
+}
+
+TEST_F(ShellProgram, FolderUserAndEnvironmentStay) {
+    setenv("THIMBLE_TEST_WORD", "kept", 1);
+    const ProgramResult result =
+        netem("shell", {"pwd; id -u; echo $THIMBLE_TEST_WORD; echo at $THIMBLE_HOST; cat /proc/net/dev"});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_THAT(result.output, HasSubstr("thimble-"));
+    EXPECT_THAT(result.output, HasSubstr("\n" + std::to_string(getuid()) + "\nkept\nat 10."));
+    EXPECT_THAT(result.output, HasSubstr("link:"));
+    EXPECT_THAT(result.output, Not(HasSubstr("eth")));
+}
+
+TEST_F(ShellProgram, RefusesWhatItCannotStart) {
+    const ProgramResult absent =
+        run_program(netem_program(), {"shell", "--", "no-such-program"}, folder_ / "", "build it");
+    EXPECT_EQ(absent.exit_code, 2);
+    EXPECT_THAT(absent.output, HasSubstr("cannot start 'no-such-program'"));
+    EXPECT_EQ(netem("shell --uplink nonsense", {"true"}).exit_code, 2);
+    EXPECT_EQ(netem("pair", {"true"}).exit_code, 2);
+}
+
+TEST_F(ShellProgram, SignalsGoOnToTheProgram) {
+    Child child(netem_program(),
+                netem_words("shell", {"trap 'exit 5' TERM; echo > ready; while :; do sleep 0.05; done"}),
+                folder_ / "words", {}, {.directory = folder_ / ""});
+    ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder_ / "ready"); }));
+    child.signal(SIGTERM);
+    EXPECT_EQ(child.wait(kPatience), 5);
+}
+
+bool lives(const std::string& mark) {
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+        std::ifstream file(entry.path() / "cmdline");
+        std::string words;
+        std::getline(file, words);
+        if (words.starts_with("sleep") && words.find(mark) != std::string::npos) return true;
+    }
+    return false;
+}
+
+TEST_F(ShellProgram, LeavesNoProcess) {
+    const std::string mark = std::to_string(100'000 + getpid());
+    const ProgramResult result =
+        netem("shell", {"setsid sleep " + mark + " > /dev/null 2>&1 & sleep 0.1; exit 3"});
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_FALSE(lives(mark));
+}
+
+// The numbers of datagrams that arrive of 300.
+std::set<int> arrived(const std::function<ProgramResult(const std::string& port)>& send) {
+    std::mutex lock;
+    std::set<int> numbers;
+    const OuterServer server(SOCK_DGRAM, [&](int socket) {
+        std::array<char, 64> room{};
+        const auto size = recv(socket, room.data(), room.size() - 1, 0);
+        const std::scoped_lock held(lock);
+        if (size > 0) numbers.insert(std::stoi(room.data()));
+    });
+    EXPECT_EQ(send(server.port()).exit_code, 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds{200});  // what is still in the socket
+    const std::scoped_lock held(lock);
+    return numbers;
+}
+
+TEST_F(ShellProgram, FatesAreThoseOfTheSeed) {
+    THIMBLE_NEEDS("bash", "bash");
+    const auto with_seed = [this](const std::string& seed) {
+        return arrived([&](const std::string& port) {
+            return run_program(netem_program(),
+                               words_in("shell --link up.loss=0.2 --seed " + seed + " -- bash -c",
+                                        {"exec 3> /dev/udp/$THIMBLE_HOST/" + port +
+                                         "; for i in {1..300}; do echo $i >&3; done"}),
+                               folder_ / "", "build it");
+        });
+    };
+    const std::set<int> first = with_seed("5");
+    EXPECT_EQ(first, with_seed("5"));
+    EXPECT_NE(first, with_seed("6"));
+    EXPECT_GT(first.size(), 180U);
+    EXPECT_LT(first.size(), 290U);
+}
+
+TEST_F(ShellProgram, ReportsAndLogs) {
+    const ProgramResult result = netem("shell --json --link up.delay_s=0.01 --log log.csv", {"exit 0"});
+    const auto report = nlohmann::json::parse(result.output.substr(result.output.find('{')));
+    EXPECT_EQ(report.at("up").at("asked").at("delay_s"), 0.01);
+    EXPECT_TRUE(report.at("shell").contains("no_ip_packets"));
+    EXPECT_THAT(read_text(folder_ / "log.csv"), HasSubstr("received"));
+}
+
+TEST_F(ShellProgram, ObeysSetWhileItRuns) {
+    Child child(netem_program(),
+                netem_words("shell --control control", {"while [ ! -e end ]; do sleep 0.05; done"}),
+                folder_ / "words", {}, {.directory = folder_ / ""});
+    ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder_ / "control"); }));
+    const ProgramResult set = run_program(
+        netem_program(), words_in("set --control control down.delay_s=0.25"), folder_ / "", "build it");
+    EXPECT_EQ(set.exit_code, 0) << set.output;
+    const ProgramResult show =
+        run_program(netem_program(), words_in("show --control control --json"), folder_ / "", "build it");
+    EXPECT_THAT(show.output, HasSubstr("0.25"));
+    static_cast<void>(folder_.write("end", ""));
+    EXPECT_EQ(child.wait(kPatience), 0);
+}
+
+TEST_F(ShellProgram, SaysWhatToSwitchOn) {
+    const std::string hidden = "unshare -m" + std::string(getuid() == 0 ? "" : "Ur") +
+                               " sh -c 'mount -t tmpfs none /dev/net && " + netem_program() +
+                               " shell -- true'";
+    const ProgramResult result = run_program("sh", {"-c", hidden}, folder_ / "", "install it");
+    if (result.exit_code == 1) GTEST_SKIP() << "no mount namespaces here: " << result.output;
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_THAT(result.output, HasSubstr("modprobe tun"));
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,91 @@
+// Programs that people use, behind a link. Bounds are wide: a busy machine adds to delays, nothing takes away from them.
+#include <array>
+#include <cstring>
+
+#include <gmock/gmock.h>
+
+#include "tests/loopback/shell/shell_rig.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+struct ShellWithPrograms : ShellTest {};
+
+TEST_F(ShellWithPrograms, PingShowsTheDelay) {
+    THIMBLE_NEEDS("ping", "iputils-ping");
+    const std::string link = "shell --link up.delay_s=0.03 down.delay_s=0.02";
+    for (const char* variable : {"$THIMBLE_HOST", "$THIMBLE_HOST6"}) {
+        const ProgramResult result =
+            netem(link, {"[ -n \"" + std::string(variable) + "\" ] || exit 9; ping -c 5 -i 0.1 " + variable});
+        if (result.exit_code == 9) GTEST_SKIP() << "this kernel has no IPv6 in namespaces";
+        EXPECT_EQ(result.exit_code, 0) << result.output;
+        EXPECT_THAT(result.output, HasSubstr("5 received"));
+        EXPECT_GE(least_ping_ms(result.output), 50) << result.output;
+        EXPECT_LT(least_ping_ms(result.output), 75) << result.output;
+    }
+}
+
+TEST_F(ShellWithPrograms, CurlReadsAPage) {
+    THIMBLE_NEEDS("curl", "curl");
+    const OuterServer server(SOCK_STREAM, [](int socket) {
+        const int caller = accept(socket, nullptr, nullptr);
+        std::array<char, 2000> request{};
+        const std::string page(100'000, 'x');
+        const std::string answer =
+            "HTTP/1.0 200 OK\r\nContent-Length: " + std::to_string(page.size()) + "\r\n\r\n" + page;
+        if (recv(caller, request.data(), request.size(), 0) > 0)
+            send(caller, answer.data(), answer.size(), MSG_NOSIGNAL);
+        close(caller);
+    });
+    const ProgramResult result =
+        netem("shell --link delay_s=0.005 rate_bits_per_s=50e6",
+              {"curl -sg --noproxy '*' http://$THIMBLE_HOST:" + server.port() + "/ | wc -c"});
+    EXPECT_THAT(result.output, HasSubstr("100000\n"));
+}
+
+TEST_F(ShellWithPrograms, DigAsksANameServer) {
+    THIMBLE_NEEDS("dig", "bind9-dnsutils");
+    const OuterServer server(SOCK_DGRAM, [](int socket) {
+        std::array<char, 600> room{};
+        sockaddr_in6 from{};
+        socklen_t size = sizeof from;
+        auto* raw = static_cast<sockaddr*>(static_cast<void*>(&from));
+        const auto got = recvfrom(socket, room.data(), 500, 0, raw, &size);
+        if (got < 12) return;
+        // The question ends behind its name, type and class; what may follow it is left out.
+        const std::size_t end = 12 + std::strlen(room.data() + 12) + 5;
+        const std::string answer("\xC0\x0C\0\1\0\1\0\0\0\1\0\4\xC0\0\2\7", 16);
+        answer.copy(room.data() + end, answer.size());
+        room[2] = static_cast<char>(room[2] | 0x80);
+        room[7] = 1;
+        room[11] = 0;
+        sendto(socket, room.data(), end + answer.size(), 0, raw, size);
+    });
+    const ProgramResult result =
+        netem("shell --link delay_s=0.01",
+              {"dig +short +tries=1 -p " + server.port() + " @$THIMBLE_HOST robot.test A"});
+    EXPECT_THAT(result.output, HasSubstr("192.0.2.7")) << result.output;
+}
+
+TEST_F(ShellWithPrograms, IperfHasTheRateBothWays) {
+    THIMBLE_NEEDS("iperf3", "iperf3");
+    const PortBlock ports;
+    const std::string port = std::to_string(ports.base());
+    Child server("iperf3", {"-s", "-p", port}, folder_ / "server");
+    std::this_thread::sleep_for(std::chrono::milliseconds{300});  // it says that it listens to a buffer
+    for (const std::string way : {"", " -R"}) {
+        const ProgramResult result =
+            netem("shell --link delay_s=0.005 rate_bits_per_s=20e6 rate_queue_packets=200",
+                  {"iperf3 -t 1 -f k -c $THIMBLE_HOST -p " + port + way + " | grep receiver"});
+        const std::size_t at = result.output.find(" Kbits/sec");
+        ASSERT_NE(at, std::string::npos) << result.output;
+        const double kbits = std::stod(result.output.substr(result.output.rfind(' ', at - 1)));
+        EXPECT_GT(kbits, 2'000) << result.output;
+        EXPECT_LT(kbits, 20'000) << result.output;
+    }
+}
+
+}  // namespace
+}  // namespace thimble
