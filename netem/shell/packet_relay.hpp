@@ -28,8 +28,8 @@ struct PacketPort {
 };
 
 struct PacketRelaySettings {
-    LinkPair links;
-    TimelinePair timelines;
+    LinkPair links{};
+    TimelinePair timelines{};
     std::uint64_t seed = 1;
     bool precise = false;
     PacketPort inner;

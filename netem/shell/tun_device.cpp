@@ -141,7 +141,7 @@ bool configure_tun(const std::string& name, const std::vector<TunAddress>& addre
     request.ifr_mtu = kTunMtu;
     set(socket.get(), SIOCSIFMTU, &request, "MTU");
     request.ifr_qlen = kTunQueue;
-    set(socket.get(), SIOCSIFTXQLEN, &request, "queue length");
+    ioctl(socket.get(), SIOCSIFTXQLEN, &request);  // for root of the machine only; others keep 500
     for (std::size_t i = 0; i < addresses.size(); ++i)
         add_ip4(socket.get(), i == 0 ? name : fmt::format("{}:{}", name, i), addresses[i]);
     bring_up(socket.get(), name);

@@ -61,7 +61,7 @@ class OuterServer {
         socklen_t size = sizeof address;
         auto* raw = static_cast<sockaddr*>(static_cast<void*>(&address));
         EXPECT_EQ(bind(socket_, raw, size), 0);
-        if (type == SOCK_STREAM) EXPECT_EQ(listen(socket_, 8), 0);
+        EXPECT_TRUE(type != SOCK_STREAM || listen(socket_, 8) == 0);
         getsockname(socket_, raw, &size);
         port_ = ntohs(address.sin6_port);
         thread_ = std::thread([this, answer = std::move(answer)] {

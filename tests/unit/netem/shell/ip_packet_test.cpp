@@ -34,9 +34,9 @@ TEST(IpPacket, OfTheKernelsStaysAtHome) {
     constexpr std::uint8_t kIgmp = 2, kIcmp = 1, kIcmp6 = 58, kHopByHop = 0;
     EXPECT_EQ(read_ip_packet(ip4_packet(kIgmp, "12345678")).kind, IpKind::kLocal);
     EXPECT_EQ(read_ip_packet(ip4_packet(kIcmp, "12345678")).kind, IpKind::kData);
-    for (const std::uint8_t type : {130, 133, 135, 136, 137, 143})
+    for (const std::uint8_t type : Octets{130, 133, 135, 136, 137, 143})
         EXPECT_EQ(read_ip_packet(ip6_packet(kIcmp6, {type, 0, 0, 0})).kind, IpKind::kLocal) << int{type};
-    for (const std::uint8_t type : {1, 2, 128, 129})
+    for (const std::uint8_t type : Octets{1, 2, 128, 129})
         EXPECT_EQ(read_ip_packet(ip6_packet(kIcmp6, {type, 0, 0, 0})).kind, IpKind::kData) << int{type};
     // MLD stands behind a router alert.
     const Octets report{kIcmp6, 0, 5, 2, 0, 0, 1, 0, 143, 0, 0, 0};
