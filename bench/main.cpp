@@ -19,8 +19,9 @@ struct Study {
     int (*run)(int argc, char** argv);
 };
 
-constexpr std::array<Study, 3> kStudies{{
+constexpr std::array<Study, 4> kStudies{{
     {"netem", "the relay beside the bare machine: lateness, throughput, round trip", &network_study},
+    {"ends", "sender and receiver of a path between namespaces: errors of its delay", &network_ends},
     {"stability", "the delayed force loop: theory beside the running loop", &stability_study},
     {"work-precision", "tissue solvers: cost against error", &work_precision_study},
 }};

@@ -63,6 +63,8 @@ PacketRelay::PacketRelay(const PacketRelaySettings& settings, PacketSink* log, i
       links_{link_of(settings, true, start_), link_of(settings, false, start_)},
       ports_{settings.inner} {
     ports_.insert(ports_.end(), settings.outer.begin(), settings.outer.end());
+    stamps_.reserve(ports_.size());
+    for (const PacketPort& port : ports_) stamps_.push_back(std::make_unique<DeviceStamps>(port.stamps));
     bool added = waiter_.add(wake, kWakeTag);
     for (std::size_t i = 0; i < ports_.size(); ++i) added = waiter_.add(ports_[i].descriptor, i) && added;
     if (!added) throw Error(ExitCode::kRunFailed, "cannot wait for packets: too many open files?");
@@ -153,24 +155,39 @@ void PacketRelay::record_sent(std::size_t direction, const Departure& departure,
 }
 
 void PacketRelay::receive(std::size_t port) {
+    DeviceStamps& stamps = *stamps_[port];
+    stamps.update();
+    for (std::size_t i = 0; i < kReadsPerTurn && read_one(port, stamps); ++i) {
+    }
+}
+
+// False: there is none, or the port has no other end any more.
+bool PacketRelay::read_one(std::size_t port, DeviceStamps& stamps) {
     std::array<std::uint8_t, kRoomBytes>
         room;  // NOLINT(cppcoreguidelines-pro-type-member-init): read() fills it
-    const std::size_t direction = port == 0 ? 0 : 1;
-    for (std::size_t i = 0; i < kReadsPerTurn; ++i) {
-        const auto size = read(ports_[port].descriptor, room.data(), room.size());
-        if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
-        if (size <= 0) return close_port(port);
-        const Bytes frame{room.data(), static_cast<std::size_t>(size)};
-        const IpPacket packet = read_ip_packet(ports_[port].ethernet ? ip_of_frame(frame) : frame);
-        if (packet.kind != IpKind::kData) {
-            ++(packet.kind == IpKind::kLocal ? port_totals_.local : port_totals_.garbage);
-            continue;
-        }
-        if (drops_[direction]) drops_[direction]->expect(packet.bytes.size());
-        SessionTime& last = last_received_[direction];
-        last = std::max(last, wall_now());
-        links_[direction].push(last, packet.bytes);
+    const auto size = read(ports_[port].descriptor, room.data(), room.size());
+    const SessionTime now = wall_now();  // after the call: no stamp is later
+    if (size < 0 && (errno == EAGAIN || errno == EINTR)) return false;
+    if (size <= 0) {
+        close_port(port);
+        return false;
     }
+    const Bytes frame{room.data(), static_cast<std::size_t>(size)};
+    const SessionTime received = stamps.of(frame, now);
+    const IpPacket packet = read_ip_packet(ports_[port].ethernet ? ip_of_frame(frame) : frame);
+    if (packet.kind == IpKind::kData) {
+        push(port == 0 ? 0 : 1, packet.bytes, received);
+    } else {
+        ++(packet.kind == IpKind::kLocal ? port_totals_.local : port_totals_.garbage);
+    }
+    return true;
+}
+
+// A link's packets never go back in time.
+void PacketRelay::push(std::size_t direction, Bytes packet, SessionTime received) {
+    if (drops_[direction]) drops_[direction]->expect(packet.size());
+    last_received_[direction] = std::max(last_received_[direction], received);
+    links_[direction].push(last_received_[direction], packet);
 }
 
 // The other ports go on: a shell whose slirp4netns has ended still reaches this machine.
@@ -195,6 +212,7 @@ RelayState PacketRelay::state(SessionTime now) const {
     for (std::size_t d = 0; d < 2; ++d) state.totals.direction[d].packets = links_[d].counters();
     state.totals.flows = state.totals.flows_opened = 1;
     state.totals.log_missing = log_ == nullptr ? 0 : log_->missing();
+    for (const auto& stamps : stamps_) state.totals.untrusted_stamps += stamps->missing();
     state.totals.running = now - start_;
     return state;
 }

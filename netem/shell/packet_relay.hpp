@@ -16,12 +16,14 @@
 #include "netem/relay/relay_totals.hpp"
 #include "netem/relay/send_lead.hpp"
 #include "netem/relay/steered_relay.hpp"
+#include "netem/shell/device_stamps.hpp"
 #include "netem/shell/ip_packet.hpp"
 
 namespace thimble {
 
 struct PacketPort {
     int descriptor = -1;    // non-blocking; one packet per read and write
+    int stamps = -1;        // open_stamp_socket() of the device, or none
     bool ethernet = false;  // slirp4netns: an Ethernet header stands before each packet
     std::vector<std::uint8_t> host4{},
         host6{};  // what goes to these addresses goes here; the rest to the last port
@@ -66,6 +68,8 @@ class PacketRelay final : public SteeredRelay {
     void send(std::size_t direction, const Departure& departure);
     const PacketPort& port_for(std::size_t direction, Bytes packet) const;
     void receive(std::size_t port);
+    bool read_one(std::size_t port, DeviceStamps& stamps);
+    void push(std::size_t direction, Bytes packet, SessionTime received);
     void close_port(std::size_t port);
     void record_sent(std::size_t direction, const Departure& departure, SessionTime sent, bool accepted);
     SessionTime next_due() const { return std::min(links_[0].next_due(), links_[1].next_due()); }
@@ -75,8 +79,9 @@ class PacketRelay final : public SteeredRelay {
     PacketSink* log_;
     EventWaiter waiter_;
     SessionTime start_;
-    std::array<LinkModel, 2> links_;  // RelayDirection
-    std::vector<PacketPort> ports_;   // the inner one, then the outer ones
+    std::array<LinkModel, 2> links_;                     // RelayDirection
+    std::vector<PacketPort> ports_;                      // the inner one, then the outer ones
+    std::vector<std::unique_ptr<DeviceStamps>> stamps_;  // of each port
     std::array<std::unique_ptr<DropNote>, 2> drops_;
     std::array<SessionTime, 2> last_received_{};
     LeastLately handling_, writing_;  // from waking to the call that sends; that call

@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "common/error.hpp"
+#include "netem/shell/device_stamps.hpp"
 
 namespace thimble {
 namespace {
@@ -29,12 +30,12 @@ struct Note {
     char kind = 0;  // 'd' device, 'e' error, 's' start; 0: the other side has closed
     std::uint8_t number = 0;
     std::string text{};
-    int descriptor = -1;
+    std::array<int, 2> descriptors{-1, -1};  // both or none
 };
 
 union DescriptorSpace {
     cmsghdr head;
-    std::array<char, CMSG_SPACE(sizeof(int))> bytes;
+    std::array<char, CMSG_SPACE(2 * sizeof(int))> bytes;
 };
 
 void send_note(int line, const Note& note) {
@@ -45,14 +46,14 @@ void send_note(int line, const Note& note) {
     message.msg_iov = &part;
     message.msg_iovlen = 1;
     DescriptorSpace space{};
-    if (note.descriptor >= 0) {
+    if (note.descriptors[0] >= 0) {
         message.msg_control = &space;
         message.msg_controllen = sizeof space;
         cmsghdr* head = CMSG_FIRSTHDR(&message);
         head->cmsg_level = SOL_SOCKET;
         head->cmsg_type = SCM_RIGHTS;
-        head->cmsg_len = CMSG_LEN(sizeof(int));
-        std::memcpy(CMSG_DATA(head), &note.descriptor, sizeof(int));
+        head->cmsg_len = CMSG_LEN(2 * sizeof(int));
+        std::memcpy(CMSG_DATA(head), note.descriptors.data(), 2 * sizeof(int));
     }
     sendmsg(line, &message, MSG_NOSIGNAL);
 }
@@ -71,7 +72,7 @@ Note read_note(int line) {
     Note note{words[0], static_cast<std::uint8_t>(words[1]),
               std::string(words.data() + 2, static_cast<std::size_t>(size) - 2)};
     if (const cmsghdr* head = CMSG_FIRSTHDR(&message); head != nullptr && head->cmsg_type == SCM_RIGHTS)
-        std::memcpy(&note.descriptor, CMSG_DATA(head), sizeof(int));
+        std::memcpy(note.descriptors.data(), CMSG_DATA(head), 2 * sizeof(int));
     return note;
 }
 
@@ -151,7 +152,11 @@ void live_in_room(const RoomSettings& settings, int line) {
     configure_namespace();
     const bool has_ip6 = configure_tun(kDeviceName, settings.addresses, true);
     if (!settings.name_server.empty()) name_server_is(settings.name_server);
-    send_note(line, {.kind = 'd', .number = static_cast<std::uint8_t>(has_ip6), .descriptor = device});
+    // Without a stamp socket the device stands in its place: both descriptors are there.
+    const int stamps = open_stamp_socket(kDeviceName);
+    send_note(line, {.kind = 'd',
+                     .number = static_cast<std::uint8_t>(has_ip6),
+                     .descriptors = {device, stamps < 0 ? device : stamps}});
     const Note start = read_note(line);
     if (start.kind != 's') return;
     take_environment(start.text);
@@ -193,15 +198,17 @@ ProgramRoom::ProgramRoom(const RoomSettings& settings) {
 
 ProgramRoom::~ProgramRoom() {
     close(device_);
+    close(stamps_);
     if (line_ >= 0) close(line_);
 }
 
 void ProgramRoom::hear_of_device() {
     const Note note = read_note(line_);
     if (note.kind == 'e') throw Error(static_cast<ExitCode>(note.number), note.text);
-    if (note.kind != 'd' || note.descriptor < 0)
+    if (note.kind != 'd' || note.descriptors[0] < 0)
         throw Error(ExitCode::kRunFailed, "the process that makes the namespace has ended");
-    device_ = note.descriptor;
+    device_ = note.descriptors[0];
+    stamps_ = note.descriptors[1];
     has_ip6_ = note.number != 0;
 }
 

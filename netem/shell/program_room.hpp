@@ -31,6 +31,7 @@ class ProgramRoom : boost::noncopyable {
     ~ProgramRoom();
 
     int device() const { return device_; }
+    int stamps() const { return stamps_; }  // open_stamp_socket() of the device
     bool has_ip6() const { return has_ip6_; }
     pid_t pid() const { return pid_; }
     void start(const Environment& environment);
@@ -39,7 +40,7 @@ class ProgramRoom : boost::noncopyable {
     void hear_of_device();
 
     pid_t pid_ = -1;
-    int line_ = -1, device_ = -1;
+    int line_ = -1, device_ = -1, stamps_ = -1;
     bool has_ip6_ = false;
 };
 

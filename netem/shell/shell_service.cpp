@@ -71,6 +71,8 @@ void relay_until_ended(PacketRelay& relay, Programs& programs, SignalLine& signa
     }
 }
 
+PacketPort port_of(const ProgramRoom& room) { return {.descriptor = room.device(), .stamps = room.stamps()}; }
+
 struct Wiring {
     PacketPort inner;
     std::vector<PacketPort> outer;
@@ -115,7 +117,7 @@ ShellResult run_one(const ShellSettings& settings, SignalLine& signals) {
                  environment.size() > 1 ? " and " + environment[1].second : "",
                  1e3 * to_seconds(settings.links.up.delay), 1e3 * to_seconds(settings.links.down.delay));
     return run_wired(settings, programs, signals,
-                     {{programs.room(0).device()}, way_out.ports(), {environment}});
+                     {port_of(programs.room(0)), way_out.ports(), {environment}});
 }
 
 ShellResult run_two(const ShellSettings& settings, SignalLine& signals) {
@@ -125,8 +127,8 @@ ShellResult run_two(const ShellSettings& settings, SignalLine& signals) {
                     {.command = settings.commands[1], .addresses = {pair_address(1)}}}));
     return run_wired(
         settings, programs, signals,
-        {{programs.room(0).device()},
-         {{programs.room(1).device()}},
+        {port_of(programs.room(0)),
+         {port_of(programs.room(1))},
          {pair_environment(0, programs.room(0).has_ip6()), pair_environment(1, programs.room(1).has_ip6())}});
 }
 

@@ -76,7 +76,7 @@ WayOut::WayOut() {
 }
 
 WayOut::~WayOut() {
-    for (const int descriptor : {life_line_, frames_, host_}) {
+    for (const int descriptor : {life_line_, frames_, host_, host_stamps_}) {
         if (descriptor >= 0) close(descriptor);
     }
     if (slirp_ < 0) return;
@@ -129,8 +129,9 @@ void WayOut::open_host_device() {
             const std::string name = fmt::format("thimble{}", number);
             host_ = open_tun(name);
             host_number_ = number;
-            if (host_ >= 0)
-                host_has_ip6_ = configure_tun(name, {{ip4_of(number, 1), ip6_of(number, 1), 30, 64}}, false);
+            if (host_ < 0) continue;
+            host_has_ip6_ = configure_tun(name, {{ip4_of(number, 1), ip6_of(number, 1), 30, 64}}, false);
+            host_stamps_ = open_stamp_socket(name);
         }
     } catch (const Error&) {  // root of a container without rights to its network: as any other user
         if (host_ >= 0) close(std::exchange(host_, -1));
@@ -155,9 +156,9 @@ std::string WayOut::name_server() const { return frames_ >= 0 ? kSlirpDns4 : "";
 std::vector<PacketPort> WayOut::ports() const {
     std::vector<PacketPort> ports;
     if (host_ >= 0)
-        ports.push_back({host_, false, bytes_of(AF_INET, ip4_of(host_number_, 1)),
+        ports.push_back({host_, host_stamps_, false, bytes_of(AF_INET, ip4_of(host_number_, 1)),
                          bytes_of(AF_INET6, ip6_of(host_number_, 1))});
-    if (frames_ >= 0) ports.push_back({frames_, true});
+    if (frames_ >= 0) ports.push_back({frames_, -1, true});
     return ports;
 }
 

@@ -34,7 +34,7 @@ class WayOut : boost::noncopyable {
 
     pid_t slirp_ = -1;
     int life_line_ = -1;  // slirp4netns ends when this end of a pipe closes, also with a killed process
-    int frames_ = -1, host_ = -1;
+    int frames_ = -1, host_ = -1, host_stamps_ = -1;
     int host_number_ = -1;
     bool host_has_ip6_ = false;
 };

@@ -55,7 +55,7 @@ struct PacketRelayTest : testing::Test {
         return {
             {.links = links,
              .inner = {program.relay_end()},
-             .outer = {{host.relay_end(), false, {10, 0, 0, 2}, Octets(16, 0)}, {slirp.relay_end(), true}}},
+             .outer = {{host.relay_end(), -1, false, {10, 0, 0, 2}, Octets(16, 0)}, {slirp.relay_end(), -1, true}}},
             nullptr,
             wake.relay_end()};
     }
