@@ -1,5 +1,7 @@
-// thimble-bench ends: the two ends of a path of any kind, each a process of its own, for links between network namespaces:
+// thimble-bench ends: sender and receiver of any path, each in a process of its own.
+//
 //   thimble-netem pair --precise --link up.delay_s=0.05 -- thimble-bench ends send -- thimble-bench ends hear --delay-ms 50
+//
 // The error of a datagram is the time from sending plus the delay to the kernel's stamp at the receiver. Both ends are on one machine.
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
-// When the kernel handed each packet to a TUN device. A device gives no stamps, so a packet socket beside it notes the beginning
-// and the time of what goes there, in memory that is shared with the kernel: no system call for a stamp.
+// When the kernel handed each packet to a TUN device. The device gives no stamps. A packet socket beside
+// it notes the beginning and the time of each packet. Its memory is shared with the kernel, so a stamp needs no system call.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The little that a link must know of an IP packet: is it one, how long is it, where does it go, and does it belong to the
-// program or only to the two kernels at the ends.
+// The header of an IP packet, as far as a link needs it: length, destination, and whether the packet is the program's or is between
+// the two kernels alone.
 #pragma once
 
 #include <cstdint>

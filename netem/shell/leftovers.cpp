@@ -63,6 +63,10 @@ std::vector<pid_t> descendants(pid_t spared) {
 
 void adopt_orphans() { prctl(PR_SET_CHILD_SUBREAPER, 1UL, 0UL, 0UL, 0UL); }
 
+void signal_descendants(int number, pid_t spared) {
+    for (const pid_t process : descendants(spared)) kill(process, number);
+}
+
 void end_descendants(pid_t spared) {
     for (int round = 0; round < kRounds; ++round) {
         const std::vector<pid_t> left = descendants(spared);

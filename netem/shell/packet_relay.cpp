@@ -136,6 +136,7 @@ void PacketRelay::record_sent(std::size_t direction, const Departure& departure,
     DirectionTotals& totals = totals_.direction[direction];
     if (accepted) {
         totals.bytes += departure.bytes.size();
+        note_stages(direction, departure);
         totals.delay.add(sent - departure.received);
         totals.error.add(sent - departure.due);
         if (sent - departure.due > kStall) ++totals.late;
@@ -152,6 +153,15 @@ void PacketRelay::record_sent(std::size_t direction, const Departure& departure,
                .fate = accepted ? LoggedFate::kSent : LoggedFate::kRefused,
                .corrupted = departure.corrupted,
                .copy = departure.copy});
+}
+
+void PacketRelay::note_stages(std::size_t direction, const Departure& departure) {
+    const LinkSettings& link = links_[direction].settings();
+    const double bits = 8.0 * static_cast<double>(departure.bytes.size() + link.rate.overhead_bytes);
+    const Duration rate = link.rate.bits_per_s > 0 ? from_seconds(bits / link.rate.bits_per_s) : Duration{};
+    StageTotals& stages = stages_[direction];
+    stages.rate_sum += rate;
+    stages.queue.add(std::max(Duration{}, departure.due - departure.received - rate - link.delay));
 }
 
 void PacketRelay::receive(std::size_t port) {

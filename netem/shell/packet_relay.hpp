@@ -45,6 +45,16 @@ struct PortTotals {
     std::uint64_t ports_closed = 0;  // ends that are gone: a namespace without processes, slirp4netns
 };
 
+// Of the packets of one direction, from being received to being due. `queue` is the time beyond rate and delay: waiting for other
+// packets (queue, slots, order) and jitter.
+struct StageTotals {
+    Histogram queue{};
+    Duration rate_sum{};  // time to send
+    double rate_mean_us() const {
+        return queue.count() == 0 ? 0 : 1e6 * to_seconds(rate_sum) / static_cast<double>(queue.count());
+    }
+};
+
 class PacketRelay final : public SteeredRelay {
   public:
     // `log` may be null and must outlive the relay. `wake`: a descriptor that ends a step when it is readable.
@@ -58,6 +68,9 @@ class PacketRelay final : public SteeredRelay {
     RelayState state(SessionTime now) const override;
     const PortTotals& ports() const { return port_totals_; }
     bool empty() const { return links_[0].in_flight() + links_[1].in_flight() == 0; }
+    const StageTotals& stages(RelayDirection direction) const {
+        return stages_[static_cast<std::size_t>(direction)];
+    }
     const EventWaiter& waiter() const { return waiter_; }
 
   private:
@@ -71,6 +84,7 @@ class PacketRelay final : public SteeredRelay {
     bool read_one(std::size_t port, DeviceStamps& stamps);
     void push(std::size_t direction, Bytes packet, SessionTime received);
     void close_port(std::size_t port);
+    void note_stages(std::size_t direction, const Departure& departure);
     void record_sent(std::size_t direction, const Departure& departure, SessionTime sent, bool accepted);
     SessionTime next_due() const { return std::min(links_[0].next_due(), links_[1].next_due()); }
     Duration send_lead() const { return handling_.least() + writing_.least() / 2; }
@@ -88,6 +102,7 @@ class PacketRelay final : public SteeredRelay {
     SessionTime woken_ = kNever;      // by a due time, until the first packet has been sent
     RelayTotals totals_;
     PortTotals port_totals_;
+    std::array<StageTotals, 2> stages_{};
 };
 
 }  // namespace thimble

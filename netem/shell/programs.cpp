@@ -6,6 +6,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "netem/shell/leftovers.hpp"
+
 namespace thimble {
 namespace {
 
@@ -56,7 +58,7 @@ void Programs::look(SessionTime now) {
             note_end(i, status, now);
     }
     if (now >= ask_at_) {
-        signal_all(SIGTERM);
+        if (rooms_.size() > 1) signal_descendants(SIGTERM, -1);  // also to what a script has started
         ask_at_ = kNever;
         kill_at_ = now + kPatience;
     }

@@ -42,7 +42,7 @@ Environment pair_environment(std::size_t i, bool has_ip6) {
     return environment;
 }
 
-// What ended programs have sent may still be under way: the kernel sends on for them.
+// Packets of ended programs may still be under way: the kernel sends on for them.
 class Linger {
   public:
     explicit Linger(const LinkPair& links)
@@ -73,6 +73,15 @@ void relay_until_ended(PacketRelay& relay, Programs& programs, SignalLine& signa
 
 PacketPort port_of(const ProgramRoom& room) { return {.descriptor = room.device(), .stamps = room.stamps()}; }
 
+// Where the time of a packet went; its lateness is the due_time_error of the report.
+nlohmann::ordered_json describe_stages(const LinkSettings& link, const PacketRelay& relay,
+                                       RelayDirection direction) {
+    const StageTotals& stages = relay.stages(direction);
+    return {{"queue_and_jitter", describe(stages.queue)},
+            {"rate_mean_us", stages.rate_mean_us()},
+            {"delay_us", 1e6 * to_seconds(link.delay)}};
+}
+
 struct Wiring {
     PacketPort inner;
     std::vector<PacketPort> outer;
@@ -94,13 +103,15 @@ ShellResult run_wired(const ShellSettings& settings, Programs& programs, SignalL
     ShellResult result{programs.exit_code(), describe(relay.state(wall_now()))};
     result.report["shell"] = {{"no_ip_packets", relay.ports().garbage},
                               {"kernel_packets", relay.ports().local},
-                              {"ends_closed", relay.ports().ports_closed}};
+                              {"ends_closed", relay.ports().ports_closed},
+                              {"up", describe_stages(settings.links.up, relay, RelayDirection::kUp)},
+                              {"down", describe_stages(settings.links.down, relay, RelayDirection::kDown)}};
     control.reset();
     if (log) log->finish();
     return result;
 }
 
-// Whatever ends this function, no process stays.
+// No process stays, also behind an exception. It goes before the rooms, whose devices the processes still have.
 struct Sweeper {
     pid_t spared = -1;
     ~Sweeper() { end_descendants(spared); }
@@ -108,10 +119,10 @@ struct Sweeper {
 
 ShellResult run_one(const ShellSettings& settings, SignalLine& signals) {
     WayOut way_out;
-    const Sweeper sweeper{way_out.slirp()};
     Programs programs(make_rooms({{.command = settings.commands[0],
                                    .addresses = way_out.program_addresses(),
                                    .name_server = way_out.name_server()}}));
+    const Sweeper sweeper{way_out.slirp()};
     const Environment environment = way_out.environment(programs.room(0).has_ip6());
     spdlog::info("this machine is {}{}, {:g} ms up, {:g} ms down", environment[0].second,
                  environment.size() > 1 ? " and " + environment[1].second : "",
@@ -121,10 +132,10 @@ ShellResult run_one(const ShellSettings& settings, SignalLine& signals) {
 }
 
 ShellResult run_two(const ShellSettings& settings, SignalLine& signals) {
-    const Sweeper sweeper;
     Programs programs(
         make_rooms({{.command = settings.commands[0], .addresses = {pair_address(0)}, .own_input = false},
                     {.command = settings.commands[1], .addresses = {pair_address(1)}}}));
+    const Sweeper sweeper;
     return run_wired(
         settings, programs, signals,
         {port_of(programs.room(0)),

@@ -50,5 +50,16 @@ TEST_F(PairProgram, MulticastComesAcross) {
     EXPECT_THAT(result.output, HasSubstr("b'found', ('10.77.0.1'"));
 }
 
+// Two participants of CycloneDDS find each other by multicast. Its one-way time is half of the round trip.
+TEST_F(PairProgram, DdsFindsItsPeer) {
+    THIMBLE_NEEDS("ddsperf", "cyclonedds-tools");
+    const ProgramResult result =
+        netem("pair --link delay_s=0.02", {"ddsperf -D 30 pong", "ddsperf -D 2 -Q minmatch:1 ping 20Hz"});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    const std::size_t least = result.output.find(" min ");
+    ASSERT_NE(least, std::string::npos) << result.output;
+    EXPECT_GE(std::stod(result.output.substr(least + 5)), 20'000) << result.output;
+}
+
 }  // namespace
 }  // namespace thimble

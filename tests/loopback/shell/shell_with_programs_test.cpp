@@ -69,6 +69,27 @@ TEST_F(ShellWithPrograms, DigAsksANameServer) {
     EXPECT_THAT(result.output, HasSubstr("192.0.2.7")) << result.output;
 }
 
+// A key and a daemon of the test's own, on a port of its own.
+TEST_F(ShellWithPrograms, SshRunsACommand) {
+    THIMBLE_NEEDS("sshd", "openssh-server");
+    if (getuid() == 0) std::filesystem::create_directories("/run/sshd");
+    const PortBlock ports;
+    const std::string port = std::to_string(ports.base());
+    const std::string keys = "ssh-keygen -q -t ed25519 -N '' -f host && ssh-keygen -q -t ed25519 -N '' -f me";
+    ASSERT_EQ(run_program("sh", {"-c", keys}, folder_ / "", "install it").exit_code, 0);
+    const std::string server =
+        "exec /usr/sbin/sshd -D -f /dev/null -h $PWD/host -p " + port +
+        " -o AuthorizedKeysFile=$PWD/me.pub -o StrictModes=no -o UsePAM=no -o PidFile=none";
+    Child daemon("sh", {"-c", server}, folder_ / "daemon", {}, {.directory = folder_ / ""});
+    const ProgramResult result =
+        netem("shell --link delay_s=0.005", {"ssh -F /dev/null -i me -p " + port +
+                                             " -o StrictHostKeyChecking=no -o UserKnownHostsFile=/dev/null "
+                                             "-o BatchMode=yes -o ConnectionAttempts=20 " +
+                                             "$(id -un)@$THIMBLE_HOST 'echo over $((40 + 2)); exit 5'"});
+    EXPECT_EQ(result.exit_code, 5) << result.output << read_text(folder_ / "daemon");
+    EXPECT_THAT(result.output, HasSubstr("over 42"));
+}
+
 TEST_F(ShellWithPrograms, IperfHasTheRateBothWays) {
     THIMBLE_NEEDS("iperf3", "iperf3");
     const PortBlock ports;
