@@ -67,7 +67,7 @@ void Programs::look(SessionTime now) {
 
 void Programs::note_end(std::size_t program, int status, SessionTime now) {
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    const bool ended_by_us = kill_at_ != kNever && code > 128;
+    const bool ended_by_us = kill_at_ != kNever && (code == 128 + SIGTERM || code == 128 + SIGKILL);
     codes_[program] = code;
     if (exit_code_ == 0 && !ended_by_us) exit_code_ = code;
     if (kill_at_ == kNever) ask_at_ = now;
