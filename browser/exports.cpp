@@ -56,24 +56,6 @@ std::string lines_of(const std::vector<CutawayLabel>& labels) {
     return lines;
 }
 
-// The bar of VF, which the windows draw with their text.
-void add_bar(const Picture::Bar& bar, Mesh& mesh, std::vector<CutawayLabel>& labels) {
-    const double bottom = bar.top + bar.height;
-    const auto box = [&](double length, const Ink& colour) {
-        const double right = bar.left + length;
-        mesh.quad(
-            {Spot{bar.left, bar.top}, Spot{right, bar.top}, Spot{right, bottom}, Spot{bar.left, bottom}},
-            colour);
-    };
-    box(bar.full_length, ink(kWhite, 0.25));
-    box(bar.length, ink(kOrange));
-    for (double tick_N = 0; tick_N <= bar.full_N + 1e-9; tick_N += bar.tick_N) {
-        const double x = bar.left + bar.full_length * tick_N / bar.full_N;
-        mesh.stroke({x, bottom}, {x, bottom + 0.3 * bar.height}, 2, ink(kWhite));
-    }
-    labels.push_back({{bar.left, bottom + bar.height}, fmt::format("0 to {:g} N", bar.full_N), kWhite});
-}
-
 }  // namespace
 }  // namespace thimble
 
@@ -124,9 +106,7 @@ EMSCRIPTEN_KEEPALIVE void draw(int side, double width, double height, int fixtur
     const CutawayPlan plan = plan_cutaway({0, 0, width, height});
     if (fixture_seen == 0) scene.cut_away->fixture_present = false;
     build_cutaway(scene, plan, one.mesh);
-    std::vector<CutawayLabel> texts = cutaway_labels(scene, plan);
-    if (scene.bar_shown) add_bar(cutaway_bar(scene, plan), one.mesh, texts);
-    one.labels = lines_of(texts);
+    one.labels = lines_of(cutaway_labels(scene, plan));
 }
 // A sample of a recorded trial, for draw(). Without a known fixture `fixture_m` is NaN.
 EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_m, double fixture_m,

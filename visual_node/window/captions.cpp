@@ -186,7 +186,6 @@ void draw_over_tissue(const Picture& picture) {
 void draw_over_cutaway(const Scene& scene, const CutawayPlan& plan) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     for (const CutawayLabel& label : cutaway_labels(scene, plan)) draw_label(list, label);
-    if (scene.bar_shown) draw_bar(list, cutaway_bar(scene, plan), plan.unit);
 }
 
 void draw_headline(const std::string& text, const CutawayPlan& plan) {

@@ -26,7 +26,7 @@ PageText page_text(const Page& page, const Instructions& instructions, bool subj
 
 // Needle, bar with its scale, and fingertip, over the tissue that Painter has painted.
 void draw_over_tissue(const Picture& picture);
-// Labels, and in VF the bar, over the cut-away view.
+// Labels over the cut-away view.
 void draw_over_cutaway(const Scene& scene, const CutawayPlan& plan);
 // A line at the top left, where the needle never is.
 void draw_headline(const std::string& text, const CutawayPlan& plan);

@@ -64,6 +64,34 @@ void draw_hand_ghost(Mesh& mesh, const CutAway& cut, const CutawayPlan& plan) {
     draw_spring(mesh, plan.axis_x - 34 * plan.unit, hub, ghost, plan, ink(kWhite, 0.7));
 }
 
+// Of VF. The labels have the numbers of its scale.
+Picture::Bar bar_of(const Scene& scene, const CutawayPlan& plan) {
+    Picture::Bar bar;
+    bar.full_N = scene.bar_full_scale_N;
+    bar.left = std::floor(plan.area.x + 22 * plan.unit);
+    bar.full_length = std::floor(std::max(40.0, 0.29 * plan.area.width));
+    bar.length = std::round(std::clamp(scene.bar_N / bar.full_N, 0.0, 1.0) * bar.full_length);
+    bar.height = std::round(26 * plan.unit);
+    bar.top = std::round(plan.y(-0.062));
+    bar.tick_N = bar_tick_N(bar.full_N);
+    return bar;
+}
+
+void draw_bar(Mesh& mesh, const Picture::Bar& bar, const CutawayPlan& plan) {
+    const double bottom = bar.top + bar.height;
+    const auto box = [&](double length, const Ink& colour) {
+        mesh.box_down({bar.left, bar.top}, {bar.left + length, bottom}, colour, colour);
+    };
+    box(bar.full_length, ink(kWhite, 0.25));
+    box(bar.length, ink(colours::kBar));
+    const double line = std::max(1.0, std::round(plan.unit));
+    const int ticks = static_cast<int>(std::floor(bar.full_N / bar.tick_N * (1 + 1e-12)));
+    for (int i = 0; i <= ticks; ++i) {
+        const double x = std::round(bar.left + bar.full_length * i * bar.tick_N / bar.full_N);
+        mesh.box_down({x, bottom}, {x + line, bottom + 6 * plan.unit}, ink(kWhite), ink(kWhite));
+    }
+}
+
 void draw_ground(Mesh& mesh, const CutawayPlan& plan) {
     const Rect& a = plan.area;
     mesh.box_down({a.x, a.y}, {a.right(), a.bottom()}, ink(kGroundTop), ink(kGroundBottom));
@@ -107,6 +135,7 @@ void build_cutaway(const Scene& scene, const CutawayPlan& plan, Mesh& mesh) {
     draw_god_object(mesh, cut, plan);
     draw_hands(mesh, scene, plan);
     draw_hand_ghost(mesh, cut, plan);
+    if (scene.bar_shown) draw_bar(mesh, bar_of(scene, plan), plan);
     const double total = total_N(cut);
     if (touches(total))
         draw_arrow(mesh, {plan.axis_x - 24 * plan.unit, plan.y(cut.position_needle_m)}, total, plan,
@@ -127,7 +156,7 @@ std::vector<CutawayLabel> cutaway_labels(const Scene& scene, const CutawayPlan& 
     const CutAway& cut = *scene.cut_away;
     const double u = plan.unit, rest_m = scene.position_surface_rest_m;
     std::vector<CutawayLabel> labels;
-    labels.reserve(12);
+    labels.reserve(16);
     // Every 20 mm beneath the skin, at the block's left edge.
     for (int depth_mm = 20; depth_mm <= 120; depth_mm += 20) {
         labels.push_back({{plan.block_left + 16 * u, plan.y(rest_m + depth_mm * 1e-3)},
@@ -157,19 +186,13 @@ std::vector<CutawayLabel> cutaway_labels(const Scene& scene, const CutawayPlan& 
         labels.push_back({{plan.axis_x + 60 * u, hub_bottom(plan, cut.position_needle_m) - 10 * u},
                           "moving hand",
                           colours::kInk});
+    if (scene.bar_shown) {
+        const Picture::Bar bar = bar_of(scene, plan);
+        const double y = bar.top + bar.height + 16 * u;
+        labels.push_back({{bar.left, y}, "0", kWhite});
+        labels.push_back({{bar.left + bar.full_length, y}, fmt::format("{:g} N", bar.full_N), kWhite, true});
+    }
     return labels;
-}
-
-Picture::Bar cutaway_bar(const Scene& scene, const CutawayPlan& plan) {
-    Picture::Bar bar;
-    bar.full_N = scene.bar_full_scale_N;
-    bar.left = std::floor(plan.area.x + 22 * plan.unit);
-    bar.full_length = std::floor(std::max(40.0, 0.29 * plan.area.width));
-    bar.length = std::round(std::clamp(scene.bar_N / bar.full_N, 0.0, 1.0) * bar.full_length);
-    bar.height = std::round(26 * plan.unit);
-    bar.top = std::round(plan.y(-0.062));
-    bar.tick_N = bar_tick_N(bar.full_N);
-    return bar;
 }
 
 }  // namespace thimble

@@ -44,8 +44,6 @@ struct CutawayLabel {
 };
 // Texts beside things: depth, force, where the force is felt.
 std::vector<CutawayLabel> cutaway_labels(const Scene& scene, const CutawayPlan& plan);
-// The bar of VF.
-Picture::Bar cutaway_bar(const Scene& scene, const CutawayPlan& plan);
 
 // Where a player feels the force, in a visitor's words.
 const char* felt_at(Modality modality);

@@ -51,6 +51,17 @@ TEST(Cutaway, ModalitiesHaveWordsOfTheirOwn) {
     EXPECT_THAT(texts(scene_with(0.1, Modality::kVF)), testing::Contains("force as a bar"));
 }
 
+TEST(Cutaway, TheBarIsAmongTheTrianglesWithItsScale) {
+    Scene scene = scene_with(0.1, Modality::kVF);
+    Mesh without, with;
+    build_cutaway(scene, plan_cutaway(kArea), without);
+    scene.bar_shown = true;
+    scene.bar_N = 6;
+    build_cutaway(scene, plan_cutaway(kArea), with);
+    EXPECT_GT(with.vertices().size(), without.vertices().size());
+    EXPECT_THAT(texts(scene), testing::IsSupersetOf({"0", "12 N"}));
+}
+
 // A window of any size, and a needle anywhere, give numbers that a painter can draw.
 TEST(Cutaway, DrawsWhateverItIsGiven) {
     Mesh mesh;
