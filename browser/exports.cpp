@@ -7,9 +7,11 @@
 
 #include "browser/live_trial.hpp"
 #include "browser/page_study.hpp"
+#include "common/network_words.hpp"
 #include "netem/profiles/profiles.hpp"
 #include "stability/critical_delay.hpp"
 #include "study/loop_limits.hpp"
+#include "visual_node/gamepad/rumble_pace.hpp"
 #include "visual_node/window/cutaway.hpp"
 
 namespace thimble {
@@ -38,6 +40,9 @@ struct Side {
     std::unique_ptr<LiveTrial> trial;  // null: a recorded one
     Scene recorded;
     std::array<double, kFields.size()> values{};
+    std::optional<Scene> calm;  // the last one that was drawn
+    RumblePace pace;
+    std::array<double, 2> motors{};
     Mesh mesh;
     std::string labels;
 };
@@ -54,6 +59,17 @@ std::string lines_of(const std::vector<CutawayLabel>& labels) {
                              label.colour[1], label.colour[2], label.ends_there, label.text);
     }
     return lines;
+}
+
+// Of `scene` only a share of its way from `before`, so that a needle that shakes is drawn at rest.
+void come_nearer(const Scene& before, double share, Scene& scene) {
+    const auto near = [share](double from, double& to) { to = std::lerp(from, to, share); };
+    near(before.position_surface_m, scene.position_surface_m);
+    near(before.bar_N, scene.bar_N);
+    near(before.fingertip_N, scene.fingertip_N);
+    near(before.cut_away->position_needle_m, scene.cut_away->position_needle_m);
+    near(before.cut_away->force_tissue_N, scene.cut_away->force_tissue_N);
+    near(before.cut_away->force_fixture_N, scene.cut_away->force_fixture_N);
 }
 
 }  // namespace
@@ -78,6 +94,7 @@ EMSCRIPTEN_KEEPALIVE void begin_trial(int side, int modality, double delay_s, in
     choice.compensator = static_cast<Compensator>(compensator);
     choice.seed = static_cast<std::uint64_t>(seed);
     side_of(side).trial = std::make_unique<LiveTrial>(choice);
+    side_of(side).calm.reset();
 }
 
 EMSCRIPTEN_KEEPALIVE void change_delay(int side, double delay_s) {
@@ -98,11 +115,13 @@ EMSCRIPTEN_KEEPALIVE const double* advance(int side, double seconds, double hand
     return one.values.data();
 }
 
-// Builds the cut-away view for a canvas of this size, in pixels.
-EMSCRIPTEN_KEEPALIVE void draw(int side, double width, double height, int fixture_seen) {
+// Builds the cut-away view for a canvas of this size, in pixels. `share`: of the way from what was drawn last to what is now; 1 is all.
+EMSCRIPTEN_KEEPALIVE void draw(int side, double width, double height, int fixture_seen, double share) {
     Side& one = side_of(side);
     Scene scene = one.trial ? one.trial->scene() : one.recorded;
     if (!scene.cut_away) return;
+    if (one.calm && share < 1) come_nearer(*one.calm, share, scene);
+    one.calm = scene;
     const CutawayPlan plan = plan_cutaway({0, 0, width, height});
     if (fixture_seen == 0) scene.cut_away->fixture_present = false;
     build_cutaway(scene, plan, one.mesh);
@@ -124,6 +143,16 @@ EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_
     scene.position_surface_m = surface_m;
     scene.cut_away = cut;
 }
+// Both motors of a gamepad, 0 to 1, strong and weak; null if nothing is to be said to it now.
+EMSCRIPTEN_KEEPALIVE const double* rumble(int side, double now_s) {
+    Side& one = side_of(side);
+    const Scene scene = one.trial->scene();
+    const auto levels = one.pace.next(SessionTime{from_seconds(now_s)}, scene.fingertip_N, scene.thumb_N);
+    if (!levels) return nullptr;
+    one.motors = {levels->strong / 65535.0, levels->weak / 65535.0};
+    return one.motors.data();
+}
+EMSCRIPTEN_KEEPALIVE double rumble_lasts_s() { return to_seconds(kRumbleLasts); }
 EMSCRIPTEN_KEEPALIVE double pixels_per_metre(double height) {
     return plan_cutaway({0, 0, height, height}).per_m;
 }
@@ -173,11 +202,11 @@ EMSCRIPTEN_KEEPALIVE double study_value(int row, int column) {
 }
 EMSCRIPTEN_KEEPALIVE void write_study(const char* path) { study->write_table(path); }
 
-// Name and what it is like, a line each.
+// Name and plain words, a line each.
 EMSCRIPTEN_KEEPALIVE const char* networks() {
     words.clear();
     for (const std::string_view name : profile_names())
-        words += fmt::format("{}\t{}\n", name, built_in_profile(name)->about);
+        words += fmt::format("{}\t{}\n", name, network_words(name));
     return words.c_str();
 }
 EMSCRIPTEN_KEEPALIVE const char* compensators() {

@@ -44,6 +44,8 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR}/deploy/sessions ${CMAKE_BINARY_DIR}/share
 # Session files, scenes and networks to begin with.
 install(DIRECTORY deploy/sessions deploy/scenes deploy/profiles DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble
     COMPONENT programs)
+# The page for a browser (thimble play --browser), where deploy/browser has built it.
+install(FILES build/browser/thimble.html DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble COMPONENT programs OPTIONAL)
 if(THIMBLE_GUI)
     install(FILES deploy/desktop/thimble.desktop deploy/desktop/thimble-experimenter.desktop
         DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT programs)

@@ -31,7 +31,12 @@ class Engine {
     const at = this.m._advance(side, seconds, hand, engaged ? 1 : 0) / 8;
     return Object.fromEntries(this.names.map((name, i) => [name, this.m.HEAPF64[at + i]]));
   }
-  draw(side, width, height, wallSeen) { this.m._draw(side, width, height, wallSeen ? 1 : 0); }
+  draw(side, width, height, wallSeen, share) { this.m._draw(side, width, height, wallSeen ? 1 : 0, share); }
+  // What a gamepad's motors have to do now; nothing if they do it already.
+  rumble(side, now) {
+    const at = this.m._rumble(side, now) / 8;
+    return at ? { strongMagnitude: this.m.HEAPF64[at], weakMagnitude: this.m.HEAPF64[at + 1], duration: 1000 * this.m._rumble_lasts_s() } : null;
+  }
   show(side, values) { this.m._show_sample(side, ...values); }
   pixelsPerMetre(height) { return this.m._pixels_per_metre(height); }
   vertices(side) { return this.m.HEAPU8.subarray(this.m._vertices(side), this.m._vertices(side) + this.m._vertex_bytes(side)); }

@@ -3,6 +3,9 @@ const MODALITIES = ['HF', 'CF', 'CCF', 'VF'];
 const SIDE = { main: 0, hand: 1, finger: 2, replay: 3 };
 const FARTHEST_m = [-0.05, 0.0667];  // of the hand: the needle goes three times as far
 const KEY_m_per_s = 0.02;
+const STICK_m_per_s = 0.05, STICK_DEAD = 0.15;  // as at the window of thimble play
+const PEAK_ms = 500;  // the figures show the most of so long, or none could be read
+const CALM_s = 0.6, CALM_PLOT_ms = 1000;  // where a visitor asked for reduced motion
 const $ = (id) => document.getElementById(id);
 
 class Page {
@@ -13,6 +16,7 @@ class Page {
     this.beside = false;
     this.hint = { key: '', since: 0 };
     this.beeps = 0;
+    this.calm = matchMedia('(prefers-reduced-motion: reduce)');
     this.views = [0, 1, 2, 3].map((side) => new SceneView(engine, side, $(`scene-${side}`)));
     this.strip = new Strip($('plot'), 6);
     this.fillIn();
@@ -32,7 +36,11 @@ class Page {
     }
     $('network').append(new Option('', ''));
     $('network').options[0].dataset.words = 'own';
-    for (const [name, about] of this.engine.networks()) $('network').append(new Option(`${name}: ${about}`, name));
+    for (const [name, words] of this.engine.networks()) {
+      const option = new Option('', name);
+      option.dataset.plain = words;
+      $('network').append(option);
+    }
     for (const [i, name] of this.engine.compensators().entries()) $('compensator').append(new Option(name, i));
     $('compensator').options[0].dataset.words = 'none';
     $('onset-mark').append(new Option('', Math.round(this.engine.onset_ms)));
@@ -51,7 +59,7 @@ class Page {
     $('digest').addEventListener('click', () => this.showDigest());
     this.holdBy($('scene-0').querySelector('.grip'));
     for (const side of [1, 2]) this.holdBy($(`scene-${side}`));
-    this.replay = new Replay(this.engine, this.views[SIDE.replay]);
+    this.replay = new Replay(this.engine, this.views[SIDE.replay], this.calm);
   }
 
   // Press, drag, let go; or the arrow keys.
@@ -83,6 +91,19 @@ class Page {
     this.hand.engaged = true;
     this.hand.key = direction;
     this.wake();
+  }
+  // Held by A and pushed by the left stick. Its motors are the belts of CF and CCF, where the browser moves motors.
+  usePad(now, seconds) {
+    const pad = [...(navigator.getGamepads?.() ?? [])].find((one) => one);
+    const held = Boolean(pad?.buttons[0]?.pressed);
+    if (held !== Boolean(this.padHeld)) {
+      this.hand.engaged = this.padHeld = held;
+      if (held) this.hand.position = this.state.needle_m / 3;
+    }
+    const stick = held ? pad.axes[1] : 0;
+    if (Math.abs(stick) > STICK_DEAD) this.moveHand(stick * STICK_m_per_s * seconds);
+    const motors = pad?.vibrationActuator && this.engine.rumble(SIDE.main, now / 1000);
+    if (motors) pad.vibrationActuator.playEffect('dual-rumble', motors).catch(() => {});
   }
   moveHand(way) { this.hand.position = Math.min(Math.max(this.hand.position + way, FARTHEST_m[0]), FARTHEST_m[1]); }
   wake() { if ($('sound').checked && !this.audio) this.audio = new AudioContext(); }
@@ -124,21 +145,26 @@ class Page {
     const seconds = Math.min((now - this.last) / 1000, 0.05);
     this.last = now;
     this.moveHand(this.hand.key * KEY_m_per_s * seconds);
+    this.usePad(now, seconds);
+    const share = this.calm.matches ? 1 - Math.exp(-seconds / CALM_s) : 1;
     for (const side of this.sides()) {
       const state = this.engine.advance(side, seconds, this.hand.position, this.hand.engaged);
       if (side === SIDE.main) this.state = state;
-      this.views[side].draw($('wall').checked);
+      this.views[side].draw($('wall').checked, share);
     }
     this.replay.frame(seconds);
     this.strip.add(this.state.time_s, this.state.needle_m, this.state.fixture_m);
-    this.strip.draw();
+    if (!this.calm.matches || now - (this.plotted ?? 0) >= CALM_PLOT_ms) {
+      this.strip.draw();
+      this.plotted = now;
+    }
     this.tell(now);
     requestAnimationFrame((next) => this.frame(next));
   }
 
   tell(now) {
-    const s = this.state, beyond = 1000 * (s.needle_m - s.fixture_m);
-    const values = [['depth', beyond > 0 ? `${beyond.toFixed(1)} ${say('unit_mm')}` : '–'], ['force', `${Math.abs(s.force_total_N).toFixed(1)} ${say('unit_N')}`],
+    const s = this.state, beyond = this.most('beyond', now, 1000 * (s.needle_m - s.fixture_m));
+    const values = [['depth', beyond > 0 ? `${beyond.toFixed(1)} ${say('unit_mm')}` : '–'], ['force', `${this.most('force', now, Math.abs(s.force_total_N)).toFixed(1)} ${say('unit_N')}`],
       ['lost', s.contacts_lost], ['frequency', `${s.frequency_Hz.toFixed(1)} ${say('unit_Hz')}`],
       [s.energy_in_J < -0.01 ? 'energy_bad' : 'energy', `${s.energy_in_J.toFixed(2)} ${say('unit_J')}`]];
     const figures = $('figures');
@@ -157,6 +183,12 @@ class Page {
     if (s.beeps > this.beeps) this.beep();
     this.beeps = s.beeps;
     this.giveHint(now);
+  }
+  most(name, now, value) {
+    const seen = ((this.seen ??= {})[name] ??= []);
+    seen.push([now, value]);
+    while (seen[0][0] < now - PEAK_ms) seen.shift();
+    return Math.max(...seen.map(([, one]) => one));
   }
   // One sentence, which stays for a while even if the needle shakes.
   giveHint(now) {

@@ -45,11 +45,12 @@ class SceneView {
     this.scale = scale;
     return [width, height];
   }
-  draw(wallSeen) {
+  // `share`: of the way to what is now. A visitor who asked for little motion gets less than all.
+  draw(wallSeen, share = 1) {
     const [width, height] = this.fit();
     if (width === 0 || height === 0) return;
     const { engine, side, gl } = this;
-    engine.draw(side, width, height, wallSeen);
+    engine.draw(side, width, height, wallSeen, share);
     gl.viewport(0, 0, width, height);
     gl.uniform2f(this.pixel, 2 / width, -2 / height);
     gl.bufferData(gl.ARRAY_BUFFER, engine.vertices(side), gl.STREAM_DRAW);
@@ -62,7 +63,8 @@ class SceneView {
     context.clearRect(0, 0, this.texts.width, this.texts.height);
     context.font = `${Math.round(Math.max(12 * this.scale, this.texts.height / 38))}px system-ui, sans-serif`;
     context.textBaseline = 'middle';
-    for (const { x, y, colour, endsThere, text } of labels) {
+    for (const { x, y, colour, endsThere, text: words } of labels) {
+      const text = translate(words);
       context.textAlign = endsThere ? 'right' : 'left';
       context.lineWidth = 3 * this.scale;
       context.strokeStyle = 'rgba(0,0,0,0.6)';
@@ -92,7 +94,7 @@ class Strip {
     if (this.points.length < 2) return;
     const c = canvas.getContext('2d'), end = this.points[this.points.length - 1][0];
     const x = (t) => canvas.width * (1 - (end - t) / this.seconds);
-    const y = (m) => canvas.height * (0.06 + 0.88 * (m + 0.02) / 0.18);
+    const y = (m) => canvas.height * (0.06 + 0.88 * (m + 0.02) / 0.22);
     const line = (column, colour, dash) => {
       c.beginPath();
       this.points.forEach((p, i) => (i ? c.lineTo(x(p[0]), y(p[column])) : c.moveTo(x(p[0]), y(p[column]))));
@@ -103,5 +105,12 @@ class Strip {
     };
     line(2, '#e8ebef', [6, 5]);
     line(1, '#e69f00', []);
+    c.font = `${Math.round(13 * scale)}px system-ui, sans-serif`;
+    let left = 8 * scale;
+    for (const [key, colour] of [['plot_needle', '#e69f00'], ['plot_wall', '#e8ebef'], ['plot_time', '#b9c2cf']]) {
+      c.fillStyle = colour;
+      c.fillText(say(key), left, canvas.height - 8 * scale);
+      left += c.measureText(say(key)).width + 16 * scale;
+    }
   }
 }

@@ -1,8 +1,8 @@
 // A recorded trial (trajectories/*.csv), with a place and a speed.
 class Replay {
   static columns = ['time_s', 'position_needle_m', 'position_surface_m', 'force_tissue_N', 'force_fixture_N'];
-  constructor(engine, view) {
-    Object.assign(this, { engine, view, rows: [], time: 0, playing: false });
+  constructor(engine, view, calm) {
+    Object.assign(this, { engine, view, calm, rows: [], time: 0, playing: false });
     $('file').addEventListener('change', () => $('file').files[0] && this.open($('file').files[0]));
     $('drop').addEventListener('dragover', (event) => event.preventDefault());
     $('drop').addEventListener('drop', (event) => { event.preventDefault(); if (event.dataTransfer.files[0]) this.open(event.dataTransfer.files[0]); });
@@ -23,7 +23,7 @@ class Replay {
     this.wall = touched ? touched[1] : NaN;
     this.modality = Math.max(0, MODALITIES.findIndex((name) => new RegExp(`(^|_)${name}(_|\\.)`).test(file.name)));
     this.time = 0;
-    this.playing = true;
+    this.playing = !this.calm.matches;
     this.show();
   }
   end() { return this.rows.length ? this.rows[this.rows.length - 1][0] : 0; }

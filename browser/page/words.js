@@ -1,11 +1,11 @@
 // All texts of the page, in each language. A key that one language lacks stops the build.
 const WORDS = {
   en: {
-    title: 'Thimble: feel what a delay does to a force', language: 'Language',
+    title: 'Thimble: see what a delay does to a force', language: 'Language',
     try_title: 'Push a needle into tissue, over a network',
-    delay: 'Delay of the force, one way', felt: 'Where the force is felt', wall: 'Show the virtual wall', sound: 'Sound',
+    delay: 'Delay of the force, one way', felt: 'Where the force goes', wall: 'Show the virtual wall', sound: 'Sound',
     virtual: 'Let a virtual subject do it', again: 'Start again',
-    onset: 'Theory without friction: with the force in the hand, this pointer shakes from {0} ms on.',
+    onset: 'In theory, and without friction, the needle shakes from {0} ms on.',
     HF: 'force in the hand', CF: 'force on the fingertip', CCF: 'on the other hand', VF: 'as a bar',
     hint_start: 'Press and drag down: push the needle in.', hint_key: ' Or use the arrow keys.',
     hint_in: 'Push on, until you meet the virtual wall.', hint_hold: 'Hold still against the wall for 5 seconds.',
@@ -14,6 +14,7 @@ const WORDS = {
     beep: 'beep',
     depth: 'beyond the wall', force: 'force at the needle', lost: 'contacts lost', frequency: 'shakes per second',
     energy: 'energy into the handle', energy_bad: 'the loop gives out energy',
+    plot_needle: 'needle', plot_wall: 'virtual wall', plot_time: 'the last 6 seconds',
     plot: 'Needle (orange) and virtual wall (dashed) over the last six seconds', grip: 'needle depth in millimetres',
     beside_title: 'The same hand, two ways to feel', beside_text: 'Both needles follow one hand, over the network that you have chosen. The left hand feels the force itself, the right one feels it on the fingertip.',
     beside_hand: 'force in the hand', beside_finger: 'force on the fingertip', beside_start: 'Push both with one hand',
@@ -31,11 +32,11 @@ const WORDS = {
     failed: 'This page needs WebAssembly and WebGL 2. ', unit_mm: 'mm', unit_N: 'N', unit_J: 'J', unit_Hz: 'per s',
   },
   it: {
-    title: 'Thimble: senti che cosa fa un ritardo a una forza', language: 'Lingua',
+    title: 'Thimble: guarda che cosa fa un ritardo a una forza', language: 'Lingua',
     try_title: 'Spingi un ago nel tessuto, attraverso una rete',
-    delay: 'Ritardo della forza, in un verso', felt: 'Dove si sente la forza', wall: 'Mostra il muro virtuale', sound: 'Suono',
+    delay: 'Ritardo della forza, in un verso', felt: 'Dove va la forza', wall: 'Mostra il muro virtuale', sound: 'Suono',
     virtual: 'Lascia fare a un soggetto virtuale', again: 'Ricomincia',
-    onset: 'Teoria senza attrito: con la forza nella mano, questo puntatore trema da {0} ms in su.',
+    onset: "In teoria, e senza attrito, l'ago trema da {0} ms in su.",
     HF: 'forza nella mano', CF: 'forza sul polpastrello', CCF: "sull'altra mano", VF: 'come una barra',
     hint_start: "Premi e trascina in giù: spingi dentro l'ago.", hint_key: ' Oppure usa i tasti freccia.',
     hint_in: 'Continua a spingere, fino al muro virtuale.', hint_hold: 'Tieni fermo contro il muro per 5 secondi.',
@@ -44,6 +45,7 @@ const WORDS = {
     beep: 'bip',
     depth: 'oltre il muro', force: "forza sull'ago", lost: 'contatti persi', frequency: 'oscillazioni al secondo',
     energy: 'energia nel manipolo', energy_bad: 'il ciclo produce energia',
+    plot_needle: 'ago', plot_wall: 'muro virtuale', plot_time: 'gli ultimi 6 secondi',
     plot: 'Ago (arancione) e muro virtuale (tratteggiato) negli ultimi sei secondi', grip: "profondità dell'ago in millimetri",
     beside_title: 'La stessa mano, due modi di sentire', beside_text: 'Entrambi gli aghi seguono una sola mano, sulla rete che hai scelto. A sinistra la mano sente la forza stessa, a destra la sente sul polpastrello.',
     beside_hand: 'forza nella mano', beside_finger: 'forza sul polpastrello', beside_start: 'Spingi entrambi con una mano',
@@ -65,8 +67,27 @@ let language = navigator.language && navigator.language.startsWith('it') ? 'it' 
 function say(key, ...values) {
   return WORDS[language][key].replace(/\{(\d)\}/g, (_, i) => values[i]);
 }
+// Texts that the C++ has in English: # stands for a number.
+const FROM_CPP = {
+  it: {
+    'virtual wall': 'muro virtuale', 'your hand': 'la tua mano', 'moving hand': 'la mano che muove', '# mm deep': 'a # mm',
+    'force in the hand': 'forza nella mano', 'force on the fingertip': 'forza sul polpastrello',
+    'force on the other hand': "forza sull'altra mano", 'force as a bar': 'forza come una barra', '# N, like # g': '# N, come # g', '# N, like # kg': '# N, come # kg',
+    'No delay': 'Nessun ritardo', 'Internet of the future, # ms': 'Internet del futuro, # ms', 'Cable in the lab': 'Cavo in laboratorio',
+    'Wi-Fi, # ms': 'Wi-Fi, # ms', 'Mobile, #G': 'Cellulare, #G', 'Space station overhead, # ms': 'Stazione spaziale sopra di noi, # ms',
+    'Low satellite': 'Satellite basso', 'Mobile, # ms': 'Cellulare, # ms', 'Across the Atlantic, # ms': "Attraverso l'Atlantico, # ms",
+    'Study, # ms': 'Studio, # ms', 'Slow mobile, # ms': 'Cellulare lento, # ms', 'Satellite, # ms': 'Satellite, # ms',
+    'Space station by satellites, # ms': 'Stazione spaziale via satelliti, # ms', 'The Moon, # s': 'La Luna, # s',
+  },
+};
+function translate(text) {
+  const numbers = text.match(/\d+(\.\d+)?/g) ?? [];
+  const known = FROM_CPP[language]?.[text.replace(/\d+(\.\d+)?/g, '#')];
+  return known ? known.replace(/#/g, () => numbers.shift()) : text;
+}
 function sayAll() {
   document.documentElement.lang = language;
   document.title = say('title');
   for (const place of document.querySelectorAll('[data-words]')) place.textContent = say(place.dataset.words);
+  for (const place of document.querySelectorAll('[data-plain]')) place.textContent = translate(place.dataset.plain);
 }

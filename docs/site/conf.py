@@ -13,6 +13,8 @@ myst_heading_anchors = 4
 html_theme = 'furo'
 html_title = 'Thimble'
 html_static_path = ['style.css']
+# The experiment in one page, if it was built.
+html_extra_path = [name for name in ['thimble.html'] if os.path.exists(os.path.join(os.path.dirname(os.path.abspath(__file__)), name))]
 html_css_files = ['style.css']
 html_show_sphinx = False
 html_copy_source = False

@@ -160,6 +160,21 @@ def with_unlisted(contents, out):
     return contents.replace('\nCHANGELOG\n', '\n'.join(['', *unlisted, 'CHANGELOG', '']), 1)
 
 
+def embed_page(sources, out):
+    """The experiment in one page, where deploy/browser has built it: in its own page, and named at the top of the first."""
+    page = sources / 'build/browser/thimble.html'
+    if not page.exists():
+        return
+    shutil.copy(page, out)
+    manual = out / 'docs/browser.md'
+    title, rest = manual.read_text().split('\n', 1)
+    manual.write_text(f'{title}\n\n<p><a href="../thimble.html">In a window of its own</a></p>\n'
+                      f'<iframe class="experiment" src="../thimble.html" title="The experiment"></iframe>\n{rest}')
+    first = out / 'index.md'
+    title, rest = first.read_text().split('\n', 1)
+    first.write_text(f'{title}\n\n<p class="try"><a href="thimble.html"><strong>Try it here, in this browser</strong></a></p>\n{rest}')
+
+
 def main():
     sources, programs, out = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
     shutil.rmtree(out, ignore_errors=True)
@@ -170,6 +185,7 @@ def main():
     contents = (sources / 'docs/site/contents.md').read_text()
     contents = with_unlisted(contents, out)
     (out / 'index.md').write_text((sources / 'README.md').read_text() + '\n' + contents)
+    embed_page(sources, out)
     for name in ['conf.py', 'diagrams.py', 'style.css']:
         shutil.copy(sources / 'docs/site' / name, out)
     reference = out / 'docs/reference'

@@ -82,13 +82,15 @@ inline void check_window(const std::filesystem::path& programs) {
     if (help.find("--window") == std::string::npos) {
         throw Error(ExitCode::kUsage,
                     "{} was built without a window: install the packages that docs/play.md names, configure "
-                    "and build again",
+                    "and build again, or open the page: thimble play --browser",
                     (programs / "thimble-visual").string());
     }
     if (has_text("DISPLAY") || has_text("WAYLAND_DISPLAY")) return;
-    throw Error(ExitCode::kUsage,
-                "there is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Start it from a "
-                "desktop, or over `ssh -X`, or give it one: xvfb-run -a thimble ...");
+    throw Error(
+        ExitCode::kUsage,
+        "there is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Start it from a "
+        "desktop, or over `ssh -X`, or give it one: xvfb-run -a thimble ... A browser needs none: thimble "
+        "play --browser");
 }
 
 // A folder for logs: gone with this object, unless they are kept.

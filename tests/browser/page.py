@@ -16,7 +16,7 @@ import time
 
 SIZES = {"phone": (390, 844), "laptop": (1280, 800), "large": (1920, 1080)}
 FRAMES = "let done = arguments[0], n = 0, t0 = performance.now(); (function f() { n++; const t = performance.now() - t0; t > 1500 ? done(n / t * 1000) : requestAnimationFrame(f); })();"
-SEEDS = range(1, 6)
+SEEDS = range(1, 1 + int(os.environ.get("THIMBLE_PAGE_SEEDS", "5")))
 failed = []
 
 
@@ -60,7 +60,7 @@ class Visitor:
     def choose(self, modality):
         self.driver.execute_script(f"document.getElementById('modalities').children[{modality}].click()")
 
-    def drag(self, depth_mm, hold_s, picture=None):
+    def drag(self, depth_mm, hold_s, picture=None, hold=False):
         """Presses, drags the needle to that depth in about a second, and holds the virtual clock's seconds long."""
         from selenium.webdriver.common.action_chains import ActionChains
 
@@ -78,8 +78,14 @@ class Visitor:
         if picture:
             self.driver.execute_script("scrollTo(0, 0)")
             self.driver.save_screenshot(picture)
-        ActionChains(self.driver).release().perform()
+        if not hold:
+            self.release()
         return state
+
+    def release(self):
+        from selenium.webdriver.common.action_chains import ActionChains
+
+        ActionChains(self.driver).release().perform()
 
     def wait(self, virtual_s):
         """Of the page's own time, which is slow where there is no graphics card."""
@@ -132,6 +138,50 @@ def try_keys(visitor):
     expect(visitor.state()["needle_m"] > 0.01, "the arrow keys push")
 
 
+PAD = """window.motors = [];
+const pad = {buttons: [{pressed: false}], axes: [0, 0], vibrationActuator: {playEffect(kind, levels) { motors.push(levels); return Promise.resolve(); }}};
+navigator.getGamepads = () => [pad];"""
+
+
+def try_gamepad(visitor):
+    strongest = "return Math.max(0, ...motors.splice(0).map((m) => m.strongMagnitude))"
+    visitor.driver.execute_script(PAD)
+    for modality, name in ((1, "force on the fingertip"), (0, "force in the hand")):
+        visitor.choose(modality)
+        visitor.wait(0.2)
+        visitor.driver.execute_script("motors.length = 0")
+        visitor.drag(130, 1.5)
+        strong = visitor.driver.execute_script(strongest)
+        expect(strong > 0.2 if modality == 1 else strong == 0, f"{name}: a gamepad's motor goes up to {strong:.2f}")
+    visitor.choose(1)
+    visitor.driver.execute_script("const pad = navigator.getGamepads()[0]; pad.buttons[0].pressed = true; pad.axes[1] = 1")
+    visitor.wait(0.5)
+    pushed = visitor.state()["needle_m"]
+    visitor.driver.execute_script("navigator.getGamepads = () => []")
+    expect(pushed > 0.02, f"A held and the stick down push the needle ({1000 * pushed:.0f} mm)")
+
+
+SHOWN = "return page.engine.labels(0).map((l) => l.text).filter((t) => t.endsWith('deep')).map((t) => parseInt(t, 10))[0] ?? 0"
+
+
+def try_calm(visitor):
+    """Who asked for reduced motion sees the needle at rest while it shakes."""
+    swing = {}
+    for feature in ("no-preference", "reduce"):
+        visitor.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-reduced-motion", "value": feature}]})
+        visitor.choose(0)
+        visitor.drag(130, 2, hold=True)
+        visitor.wait(1.5)
+        depths = []
+        for _ in range(25):
+            depths.append(visitor.driver.execute_script(SHOWN))
+            visitor.wait(0.03)
+        visitor.release()
+        swing[feature] = max(depths) - min(depths)
+    visitor.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+    expect(swing["reduce"] < swing["no-preference"] / 2, f"reduced motion: the drawn needle swings by {swing['reduce']} mm, not {swing['no-preference']}")
+
+
 def try_sizes(visitor):
     for name, size in SIZES.items():
         started = visitor.open(size)
@@ -146,6 +196,16 @@ def try_words(visitor):
     expect("ago" in visitor.driver.find_element("tag name", "h2").text, "it speaks Italian")
     empty = visitor.driver.execute_script("return [...document.querySelectorAll('[data-words]')].filter((e) => e.textContent === '' || e.textContent === 'undefined').map((e) => e.dataset.words)")
     expect(not empty, f"each text has words {empty}")
+    visitor.driver.execute_script("document.getElementById('virtual').click()")
+    texts = set(visitor.driver.execute_script("return page.engine.networks().map((n) => n[1])"))
+    for modality in range(4):
+        visitor.choose(modality)
+        visitor.wait(6)
+        texts |= set(visitor.driver.execute_script("return page.engine.labels(0).map((l) => l.text)"))
+    visitor.driver.execute_script("document.getElementById('virtual').click()")
+    english = visitor.driver.execute_script(
+        "return arguments[0].filter((t) => /[a-z]{3}/i.test(t) && !(t.replace(/\\d+(\\.\\d+)?/g, '#') in FROM_CPP.it))", sorted(texts))
+    expect(not english, f"so have the texts of the picture and the networks {english}")
 
 
 def try_accessibility(visitor):
@@ -201,6 +261,8 @@ def main(page, thimble):
         visitor.open(SIZES["laptop"])
         try_hands(visitor)
         try_keys(visitor)
+        try_gamepad(visitor)
+        try_calm(visitor)
         if thimble is not None:
             try_bytes(visitor, thimble)
         try_words(visitor)

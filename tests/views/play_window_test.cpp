@@ -146,6 +146,7 @@ TEST(PlayWithoutAScreen, IsRefusedWithTheReason) {
     Child play(kThimble, {"play", "--base-port", std::to_string(ports.base())}, folder / "words");
     EXPECT_EQ(play.wait(kPatience), 2);
     EXPECT_THAT(read_text(folder / "words"), testing::HasSubstr("screen"));
+    EXPECT_THAT(read_text(folder / "words"), testing::HasSubstr("thimble play --browser"));
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 // thimble play: feel the experiment with a mouse.
+#include <array>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -9,6 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/process/child.hpp"
 #include "common/process/progress.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -32,6 +35,7 @@ struct PlayArguments {
     std::optional<double> delay_s;
     double seconds = 0;
     int base_port = 0;
+    bool browser = false;
 };
 
 std::vector<std::string> words_of(const std::string& command) {
@@ -39,6 +43,27 @@ std::vector<std::string> words_of(const std::string& command) {
     std::vector<std::string> words;
     for (std::string word; stream >> word;) words.push_back(word);
     return words;
+}
+
+// Beside the programs where they are installed, or in the tree that built them.
+std::filesystem::path find_page() {
+    const std::filesystem::path up = program_folder().parent_path();
+    const std::array places{up / "share/thimble/thimble.html", up.parent_path() / "browser/thimble.html"};
+    std::error_code absent;
+    for (const std::filesystem::path& place : places)
+        if (std::filesystem::exists(place, absent)) return place;
+    throw Error(ExitCode::kUsage,
+                "the page is neither at {} nor at {}: build it with ./deploy/browser (docs/browser.md)",
+                places[0].string(), places[1].string());
+}
+
+int open_page() {
+    const std::string page = find_page().string(), advice = "open file://" + page + " in a browser";
+    const ProgramResult result = run_program("xdg-open", {page}, ".", advice + ", or install xdg-utils");
+    if (result.exit_code != 0)
+        throw Error(ExitCode::kRunFailed, "xdg-open shows no page: {}; {}", result.output, advice);
+    fmt::print("file://{}\n", page);
+    return static_cast<int>(ExitCode::kOk);
 }
 
 int render_recorded(PlayArguments& a, const SystemSettings& settings) {
@@ -74,6 +99,7 @@ void choose_first_trial(PlayArguments& a, const SessionPlan& plan) {
 }
 
 int run_play(PlayArguments a) {
+    if (a.browser) return open_page();
     const SystemSettings settings = load_system_settings(a.config);
     if (settings.launch.anywhere_else()) {
         throw Error(ExitCode::kUsage,
@@ -156,6 +182,9 @@ Subcommand add_play(CLI::App& app) {
                     "cutaway: the needle inside the tissue and the fixture; subject: the paper's screen")
         ->default_val(arguments->view)
         ->check(CLI::IsMember({"cutaway", "subject"}));
+    sub->add_flag("--browser", arguments->browser,
+                  "the page of ./deploy/browser instead, where there is no OpenGL; it takes no other option")
+        ->excludes(replay);
     add_render_options(*sub, replay, *arguments);
     add_base_port_option(*sub, arguments->base_port);
     sub->add_option("--seconds", arguments->seconds, "end by itself after so long")
@@ -167,6 +196,7 @@ Subcommand add_play(CLI::App& app) {
         "Example:\n  thimble play --modality HF --delay-s 0.05 --record out/play\n"
         "  thimble play --replay out/play --trial 2 --speed 0.5\n"
         "  thimble play --replay out/play --trial 2 --video trial2.mp4\n"
+        "  thimble play --browser\n"
         "Manual: docs/play.md.");
     return {sub, [arguments] { return run_play(*arguments); }};
 }

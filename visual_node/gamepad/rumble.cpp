@@ -1,9 +1,7 @@
 #include "visual_node/gamepad/rumble.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <fcntl.h>
 #include <linux/input.h>
@@ -17,14 +15,6 @@
 namespace thimble {
 namespace {
 
-constexpr double kFullLevel = 65535;
-// A smaller step is none that a finger tells from the last.
-constexpr int kLeastStep = 65536 / 32;
-
-bool far_apart(std::uint16_t a, std::uint16_t b) {
-    return std::abs(int{a} - int{b}) >= kLeastStep || (a == 0) != (b == 0);
-}
-
 bool rumbles(int file) {
     constexpr std::size_t kBits = sizeof(unsigned long) * CHAR_BIT;
     std::array<unsigned long, FF_CNT / kBits + 1> effects{};
@@ -33,32 +23,6 @@ bool rumbles(int file) {
 }
 
 }  // namespace
-
-// Written so that a NaN stops it.
-std::uint16_t RumblePace::Motor::level(double force_N) {
-    turns_ = force_N > (turns_ ? kRumbleStops_N : kRumbleStarts_N);
-    if (!turns_) return 0;
-    const double share = std::min(force_N / kFullRumble_N, 1.0);
-    return static_cast<std::uint16_t>(
-        std::lround((kWeakestRumble + (1 - kWeakestRumble) * share) * kFullLevel));
-}
-
-bool RumblePace::worth_saying(SessionTime now, const RumbleLevels& levels) const {
-    if (far_apart(levels.strong, said_.strong) || far_apart(levels.weak, said_.weak)) return true;
-    return levels != RumbleLevels{} && now - said_at_ >= kSayAgain;
-}
-
-std::optional<RumbleLevels> RumblePace::next(SessionTime now, double index_N, double thumb_N) {
-    const RumbleLevels levels{strong_.level(index_N), weak_.level(thumb_N)};
-    if (said_anything_ && now - said_at_ < kPeriod) return std::nullopt;
-    if (!worth_saying(now, levels)) return std::nullopt;
-    said_ = levels;
-    said_at_ = now;
-    said_anything_ = true;
-    return levels;
-}
-
-void RumblePace::forget() { *this = RumblePace{}; }
 
 RumbleDevice::RumbleDevice(const std::filesystem::path& event)
     : file_(::open(event.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK)), event_(event.string()) {
@@ -85,7 +49,7 @@ bool RumbleDevice::upload(const RumbleLevels& levels) {
     effect.id = effect_;
     effect.u.rumble.strong_magnitude = levels.strong;
     effect.u.rumble.weak_magnitude = levels.weak;
-    effect.replay.length = static_cast<std::uint16_t>(to_seconds(kLasts) * 1e3);  // ms
+    effect.replay.length = static_cast<std::uint16_t>(to_seconds(kRumbleLasts) * 1e3);  // ms
     if (::ioctl(file_, EVIOCSFF, &effect) < 0) return false;
     effect_ = effect.id;
     return true;

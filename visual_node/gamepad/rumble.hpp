@@ -1,68 +1,20 @@
-// The two motors of a gamepad: how strongly they turn, and the device.
+// The two motors of a gamepad.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include <boost/core/noncopyable.hpp>
 
-#include "common/time.hpp"
+#include "visual_node/gamepad/rumble_pace.hpp"
 
 namespace thimble {
-
-// As in FF_RUMBLE: 0 is off, 65535 as strong as it gets.
-struct RumbleLevels {
-    std::uint16_t strong = 0, weak = 0;
-    bool operator==(const RumbleLevels&) const = default;
-};
-
-// A motor at its strongest. As the drawn fingertip: a nail's colour ceases to change at a few newton.
-inline constexpr double kFullRumble_N = 4;
-// Starts above the one, stops below the other: noise about zero makes no motor stutter.
-inline constexpr double kRumbleStarts_N = 0.10, kRumbleStops_N = 0.05;
-// Weaker, most motors do not turn at all.
-inline constexpr double kWeakestRumble = 0.125;
-
-// From what presses on a finger to the motors: pure, with time as an argument. The index finger is the strong (slow) motor, the
-// thumb the weak (quick) one.
-class RumblePace {
-  public:
-    // Each update is a transfer over USB or radio, so that there are at most 50 per second.
-    static constexpr Duration kPeriod = std::chrono::milliseconds{20};
-    // A level that holds is said again so often: what was said stops by itself soon after (RumbleDevice::kLasts), so that no
-    // motor runs on when this program no longer does.
-    static constexpr Duration kSayAgain = std::chrono::milliseconds{250};
-
-    // Forces on index finger and thumb, N, 0 or more (NaN is 0). The command for the device now. None if the device has it already, or got another one too recently.
-    std::optional<RumbleLevels> next(SessionTime now, double index_N, double thumb_N);
-    // The device has been stopped, or is another one.
-    void forget();
-
-  private:
-    class Motor {
-      public:
-        std::uint16_t level(double force_N);
-
-      private:
-        bool turns_ = false;
-    };
-    bool worth_saying(SessionTime now, const RumbleLevels& levels) const;
-
-    Motor strong_, weak_;
-    RumbleLevels said_;
-    SessionTime said_at_{};
-    bool said_anything_ = false;
-};
 
 // The motors of a gamepad, by Linux's force feedback (EVIOCSFF with FF_RUMBLE; Documentation/input/ff.rst). One effect, which is
 // replaced and played again at each change. Never throws: a gamepad that cannot, or may not, is silent, and notice() says why.
 class RumbleDevice : boost::noncopyable {
   public:
-    // The vibration of set() stops by itself after so long, even if this program has died.
-    static constexpr Duration kLasts = std::chrono::milliseconds{500};
-
     // `event`: /dev/input/eventN.
     explicit RumbleDevice(const std::filesystem::path& event);
     ~RumbleDevice();
@@ -70,7 +22,7 @@ class RumbleDevice : boost::noncopyable {
     bool ready() const { return file_ >= 0; }
     // Why it is not ready, for people; empty if it is.
     const std::string& notice() const { return notice_; }
-    // Both zero stops the motors. A device that has gone is no longer ready().
+    // For kRumbleLasts. Both zero stops the motors. A device that has gone is no longer ready().
     void set(const RumbleLevels& levels);
 
   private:

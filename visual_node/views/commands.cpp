@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "common/network_words.hpp"
+
 namespace thimble {
 namespace {
 
@@ -47,12 +49,12 @@ constexpr std::array kPlayerKeys{
         "Belts press the fingers that hold the needle. It stays calm."},
     Key{Command::kCCF, '3', "On the other hand", "Belts press the fingers of the other hand. It stays calm."},
     Key{Command::kVF, '4', "As a bar", "A bar shows the force. It stays calm: watch the bar's length."},
-    Key{Command::kNetwork0, '5', "No delay", "no network at all"},
-    Key{Command::kNetwork1, '6', "Wi-Fi, 2 ms", "2 ms back, in bursts, 0.2 % lost"},
-    Key{Command::kNetwork2, '7', "Study, 50 ms", "50 ms back and nothing else, as in the paper"},
-    Key{Command::kNetwork3, '8', "Low satellite", "18 ms, jitter, another satellite each 15 s"},
-    Key{Command::kNetwork4, '9', "Mobile, 35 ms", "35 ms each way, jitter, 0.1 % lost"},
-    Key{Command::kNetwork5, '0', "Satellite, 300 ms", "300 ms each way by a high satellite, 0.5 % lost"},
+    Key{Command::kNetwork0, '5', network_words("ideal"), "no network at all"},
+    Key{Command::kNetwork1, '6', network_words("wifi"), "2 ms back, in bursts, 0.2 % lost"},
+    Key{Command::kNetwork2, '7', network_words("paper50"), "50 ms back and nothing else, as in the paper"},
+    Key{Command::kNetwork3, '8', network_words("leo"), "18 ms, jitter, another satellite each 15 s"},
+    Key{Command::kNetwork4, '9', network_words("lte"), "35 ms each way, jitter, 0.1 % lost"},
+    Key{Command::kNetwork5, '0', network_words("geo"), "300 ms each way by a high satellite, 0.5 % lost"},
     kLess,
     kMore,
     Key{Command::kStart, ' ', "Again", "another try that feels the same"},

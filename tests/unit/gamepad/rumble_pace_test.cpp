@@ -1,10 +1,11 @@
+#include "visual_node/gamepad/rumble_pace.hpp"
+
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "tests/unit/session_time.hpp"
-#include "visual_node/gamepad/rumble.hpp"
 
 namespace thimble {
 namespace {
