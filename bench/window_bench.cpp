@@ -1,4 +1,4 @@
-// Frames of the subject's window: how long one takes, in this machine's OpenGL.
+// Frames of the window, of the subject's screen and of the cut-away view: how long one takes, in this machine's OpenGL.
 //
 //   xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" build/release/bin/thimble-bench-window
 #include <cmath>
@@ -15,8 +15,8 @@ using namespace thimble;
 
 constexpr Duration kTime = std::chrono::seconds{10};
 
-// A needle that presses the tissue in, 0.4 times a second, and the bar with it.
-Scene scene_at(SessionTime now, SessionTime start) {
+// A needle that presses the tissue in, 0.4 times a second, and the bar with it. Cut away, it goes to the fixture.
+Scene scene_at(SessionTime now, SessionTime start, bool cut_away) {
     const double phase = 2 * 3.14159265358979 * 0.4 * to_seconds(now - start);
     Scene scene;
     scene.position_surface_rest_m = 0.02;
@@ -24,6 +24,13 @@ Scene scene_at(SessionTime now, SessionTime start) {
     scene.position_surface_m = std::max(0.02, scene.position_needle_m);
     scene.bar_shown = true;
     scene.bar_N = 6 + 6 * std::sin(phase);
+    if (cut_away) {
+        scene.cut_away.emplace();
+        scene.cut_away->position_needle_m = 0.07 + 0.06 * std::sin(phase);
+        scene.cut_away->position_fixture_m = 0.115;
+        scene.cut_away->force_tissue_N = -scene.bar_N;
+        scene.cut_away->phase = TissuePhase::kPenetrated;
+    }
     scene.sample_time = scene.hand_time = scene.answer_time = now;
     return scene;
 }
@@ -34,7 +41,7 @@ void print(const char* what, const Histogram& h) {
 }
 
 // `paced`: at the window's own pace, else one frame after the other.
-void measure(int width, int height, bool paced) {
+void measure(int width, int height, bool paced, bool cut_away) {
     WindowSettings settings;
     settings.width = width;
     settings.height = height;
@@ -45,7 +52,7 @@ void measure(int width, int height, bool paced) {
     const SessionTime start = wall_now();
     const auto stop = [&] {
         const SessionTime now = wall_now();
-        display.draw(now, scene_at(now, start));
+        display.draw(now, scene_at(now, start, cut_away));
         return now - start > kTime;
     };
     if (paced) {
@@ -53,11 +60,10 @@ void measure(int width, int height, bool paced) {
     } else {
         while (!stop()) loop.turn();
     }
-    print(fmt::format("{}x{}, {}: frame begun to swap returned", width, height, paced ? "paced" : "unpaced")
-              .c_str(),
-          loop.times().draw);
-    print(fmt::format("{}x{}, {}: swap to swap", width, height, paced ? "paced" : "unpaced").c_str(),
-          loop.times().interval);
+    const std::string name = fmt::format("{}x{}, {}, {}", width, height, cut_away ? "cut-away" : "subject",
+                                         paced ? "paced" : "unpaced");
+    print((name + ": frame begun to swap returned").c_str(), loop.times().draw);
+    print((name + ": swap to swap").c_str(), loop.times().interval);
 }
 
 }  // namespace
@@ -65,8 +71,9 @@ void measure(int width, int height, bool paced) {
 int main() {
     return thimble::guarded_main("thimble-bench-window", [] {
         fmt::print("| ms | median | 90 % | 99 % | worst |\n| --- | --- | --- | --- | --- |\n");
-        for (const bool paced : {false, true}) measure(800, 600, paced);
-        measure(1280, 1000, true);
+        for (const bool cut_away : {false, true}) {
+            for (const bool paced : {false, true}) measure(1280, 800, paced, cut_away);
+        }
         return 0;
     });
 }
