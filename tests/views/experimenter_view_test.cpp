@@ -56,17 +56,14 @@ class ExperimenterView : public OnAScreen {
     std::optional<Child> view_;
 };
 
-// Checks that the fixture's line stands where it belongs in the side view, and nowhere else.
+// Checks that the fixture's line stands where it belongs in the cut-away view, and nowhere else.
 void expect_fixture_at_its_place(const Image& image, double scale) {
-    const Rect side = experimenter_layout(image.width, image.height, scale).side_view;
-    const Rect box = plot_box(side, scale);
-    const double x =
-        side_view_scale(box, kDemonstrationFixture_m, kDemonstrationFixture_m).x(kDemonstrationFixture_m);
-    const int line =
-        count_pixels(image, {std::floor(x) - 2 * scale, box.y, 4 * scale + 1, box.height}, kReddishPurple);
-    EXPECT_GT(line,
-              0.3 * 3 * scale * box.height);  // dashed: half of its 3 pixels, less what the needle covers
-    EXPECT_EQ(count_pixels(image, box, kReddishPurple), line);
+    const CutawayPlan plan = plan_cutaway(experimenter_layout(image.width, image.height, scale).scene);
+    const double wide = plan.block_right - plan.block_left;
+    const int line = count_pixels(
+        image, {plan.block_left, std::floor(plan.y(kDemonstrationFixture_m)), wide, 3 * scale}, kWallLine);
+    EXPECT_GT(line, wide);  // two pixels high, and the needle covers some
+    EXPECT_EQ(count_pixels(image, plan.area, kWallLine), line);
 }
 
 // Where `colour` reaches in a column of pixels, as top and bottom; an empty range without any.
@@ -203,8 +200,8 @@ TEST_F(ExperimenterView, SaysThatTheSessionDoesNotAnswer) {
     pass(0.3);
     const Image image = end();
     EXPECT_TRUE(alarmed(image));
-    // The device's words, black on red, over the top of the side view and no more.
-    const Rect side = experimenter_layout(800, 600, 1).side_view;
+    // The device's words, black on red, over the top of the cut-away view and no more.
+    const Rect side{0, kBannerHeight, experimenter_layout(800, 600, 1).readings.x, 600 - kBannerHeight};
     EXPECT_GT(count_pixels(image, {side.x, side.y, side.width, 10}, kVermillion), 5 * side.width);
     EXPECT_EQ(count_pixels(image, {side.x, side.y + side.height / 2, side.width, 10}, kVermillion), 0);
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "visual_node/display.hpp"
 #include "visual_node/views/commands.hpp"
 #include "visual_node/views/session_link.hpp"
 
@@ -16,6 +17,7 @@ class ExperimenterModel {
 
     void update(SessionTime now) {
         link_.update(now);
+        find_rest();
         if (!choosing_ && link_.receiver().heard()) chosen_ = link_.monitor().modality;
     }
 
@@ -52,6 +54,24 @@ class ExperimenterModel {
     void set_delay(SessionTime now, double delay_s) { link_.ask_delay(now, delay_s); }
 
     const SessionLink& link() const { return link_; }
+    // Of the newest Monitor; nothing before there is one.
+    std::optional<Scene> scene() const {
+        if (!link_.receiver().heard()) return std::nullopt;
+        const Monitor& m = link_.monitor();
+        const double resisting_N = std::max(0.0, -m.force_total_N);
+        Scene scene;
+        scene.position_needle_m = m.position_needle_m;
+        scene.position_surface_m = m.position_surface_m;
+        scene.position_surface_rest_m = rest_m_;
+        scene.fingertip_N = resisting_N;
+        scene.thumb_N = std::max(0.0, m.force_total_N);
+        scene.bar_shown = m.modality == Modality::kVF;
+        scene.bar_N = resisting_N;
+        scene.cut_away = CutAway{m.position_needle_m, m.position_fixture_m, m.force_tissue_N,
+                                 m.force_fixture_N,   std::nullopt,         m.phase,
+                                 m.modality,          m.fixture_present};
+        return scene;
+    }
     Modality chosen() const { return chosen_; }
     bool help() const { return help_; }
     // The trial about which it is asked whether to exclude it.
@@ -66,6 +86,15 @@ class ExperimenterModel {
     }
 
   private:
+    // Where the surface is while nothing presses it. A view that comes later takes what it sees first.
+    void find_rest() {
+        const Monitor& m = link_.monitor();
+        const std::uint32_t trial = link_.receiver().trial();
+        if (m.phase == TissuePhase::kFree || trial != rest_of_) rest_m_ = m.position_surface_m;
+        rest_of_ = trial;
+        rest_m_ = std::min(rest_m_, m.position_surface_m);
+    }
+
     void answer(SessionTime now, bool yes) {
         if (yes && question_) {
             Order order;
@@ -78,6 +107,8 @@ class ExperimenterModel {
     }
 
     SessionLink link_;
+    double rest_m_ = 0;
+    std::uint32_t rest_of_ = 0;  // trial
     Modality chosen_ = Modality::kHF;
     bool choosing_ = false;  // since the person has chosen, the session's modality is not taken over
     bool help_ = false;

@@ -6,6 +6,7 @@
 #include "visual_node/views/drawing.hpp"
 #include "visual_node/views/monitor_text.hpp"
 #include "visual_node/views/panels.hpp"
+#include "visual_node/window/captions.hpp"
 
 namespace thimble {
 namespace {
@@ -60,7 +61,8 @@ void ExperimenterPanels::draw_banner(const Rect& rect, double scale, SessionTime
     const SessionLink& link = model_.link();
     const TextLine alarm = link.alarm(now);
     const bool alarmed = !alarm.view().empty();
-    if (alarmed) list.AddRectFilled(corner(rect), far_corner(rect), paint(kVermillion));
+    // Over the rod of the needle, too, which leaves the scene upwards.
+    list.AddRectFilled(corner(rect), far_corner(rect), paint(alarmed ? kVermillion : kBackground));
     const TextLine calm =
         TextLine::of("Trial {}, {}, {}", trial_text(link.receiver().trial(), link.monitor().trials).view(),
                      to_string(link.monitor().modality), state_text(link.monitor()).view());
@@ -69,7 +71,7 @@ void ExperimenterPanels::draw_banner(const Rect& rect, double scale, SessionTime
                  alarmed ? alarm.c_str() : calm.c_str());
 }
 
-// Below the banner, over the side view: in as many lines as the device's words take.
+// Below the banner, over scene and plots: in as many lines as the device's words take.
 void ExperimenterPanels::draw_fault(const Rect& rect, double scale) const {
     const std::string_view words = model_.link().receiver().fault();
     if (words.empty()) return;
@@ -92,11 +94,11 @@ void ExperimenterPanels::draw(SessionTime now, const OverlayFrame& frame) {
     const SessionLink& link = model_.link();
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     draw_banner(layout.banner, scale, now);
-    if (link.receiver().heard()) draw_side_view(list, layout.side_view, scale, link.monitor());
+    if (const auto seen = scene()) draw_over_cutaway(*seen, plan_cutaway(layout.scene));
     for (std::size_t i = 0; i < kPlotCount; ++i) {
         plots_[i].draw(list, layout.plots[i], scale, experimenter_plots()[i], link.history(), now);
     }
-    draw_fault(layout.side_view, scale);
+    draw_fault({0, layout.scene.y, layout.readings.x, layout.scene.height}, scale);
     draw_readings(layout.readings, link, now);
     draw_controls(layout.controls, scale, model_, now);
     draw_question(scale, model_, now);

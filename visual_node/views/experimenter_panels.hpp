@@ -1,4 +1,4 @@
-// The whole of the experimenter's view, over an empty window: banner, side view, plots, readings, controls.
+// The whole of the experimenter's view, over an empty window: banner, cut-away view, plots, readings, controls.
 #pragma once
 
 #include <array>
@@ -20,6 +20,8 @@ class ExperimenterPanels final : public Overlay {
 
     void tick(SessionTime now) override { model_.update(now); }
     void draw(SessionTime now, const OverlayFrame& frame) override;
+    // For experimenter_layout().scene, painted before draw(); nothing before a session was heard.
+    std::optional<Scene> scene() const { return model_.scene(); }
 
   private:
     void draw_banner(const Rect& rect, double scale, SessionTime now) const;

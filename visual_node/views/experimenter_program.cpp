@@ -20,6 +20,7 @@
 #include "visual_node/window/gl_window.hpp"
 #include "visual_node/window/gui_layer.hpp"
 #include "visual_node/window/image.hpp"
+#include "visual_node/window/mesh_painter.hpp"
 // clang-format off
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -81,6 +82,7 @@ class ExperimenterView {
         complained_ = !complaint.empty();
         if (complained_) spdlog::error(complaint);
     }
+    void paint_scene();
     void draw_view(SessionTime now);
     void draw_empty();
     void finish();
@@ -96,6 +98,8 @@ class ExperimenterView {
     ExperimenterPanels panels_;
     GlWindow window_;
     GuiLayer gui_;
+    MeshPainter painter_;
+    Mesh mesh_;
     Duration period_;
     SessionTime due_{};  // next frame
     // How long frames take to draw: of the view and of an empty window in the same run, because only their ratio means
@@ -128,9 +132,19 @@ void ExperimenterView::draw_empty() {
     empty_cost_.add(wall_now() - begin);
 }
 
+void ExperimenterView::paint_scene() {
+    const auto scene = panels_.scene();
+    if (!scene) return;
+    const int width = window_.width(), height = window_.height();
+    const ExperimenterLayout layout = experimenter_layout(width, height, window_.content_scale());
+    build_cutaway(*scene, plan_cutaway(layout.scene), mesh_);
+    painter_.paint(mesh_, width, height);
+}
+
 void ExperimenterView::draw_view(SessionTime now) {
     const SessionTime begin = wall_now();
     window_.begin_frame(kBackground);
+    paint_scene();
     gui_.begin();
     panels_.draw(now, {window_, gui_, nullptr});
     gui_.end();

@@ -1,4 +1,4 @@
-// The panels of both views: plots of the last seconds, the side view, the readings, the controls of a recorded trial.
+// The panels of both views: plots of the last seconds, the readings, the controls of a recorded trial.
 #pragma once
 
 #include <imgui.h>
@@ -13,10 +13,6 @@
 #include "visual_node/window/image.hpp"
 
 namespace thimble {
-
-// The scene from the side, as only the experimenter may see it: z to the right, the needle with its inserted part, the
-// surface, the fixture and the god-object, which stays at the fixture when the needle has gone through.
-void draw_side_view(ImDrawList& list, const Rect& rect, double scale, const Monitor& monitor);
 
 // The numbers of the newest Monitor in two columns, with its age. Greyed while the session is silent: they are old then.
 void draw_readings(const Rect& rect, const SessionLink& link, SessionTime now);

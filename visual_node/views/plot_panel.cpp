@@ -14,14 +14,14 @@ constexpr std::array kPositionCurves{
 };
 constexpr std::array kForceCurves{
     Curve{Quantity::kForceHand_N, kYellow, Dash::kDashed, "handle"},
-    Curve{Quantity::kForceTotal_N, kBluishGreen, Dash::kSolid, "tissue + fixture"},
+    Curve{Quantity::kForceTotal_N, kBluishGreen, Dash::kSolid, "needle"},
 };
 constexpr std::array kDelayCurves{
-    Curve{Quantity::kOneWay_s, kSkyBlue, Dash::kDashed, "one way, with bound"},
+    Curve{Quantity::kOneWay_s, kSkyBlue, Dash::kDashed, "one way"},
     Curve{Quantity::kRoundTrip_s, kOrange, Dash::kSolid, "round trip"},
 };
 constexpr std::array kEnergyCurves{
-    Curve{Quantity::kEnergy_J, kYellow, Dash::kSolid, "into the handle's port"},
+    Curve{Quantity::kEnergy_J, kYellow, Dash::kSolid, "into the handle"},
 };
 constexpr std::array kPlayerCurves{
     Curve{Quantity::kSurface_m, kSurfaceOnDark, Dash::kDashed, "surface"},
@@ -30,7 +30,7 @@ constexpr std::array kPlayerCurves{
 constexpr Band kOneWayBand{Quantity::kOneWayLow_s, Quantity::kOneWayHigh_s, kSkyBlue};
 
 constexpr std::array<PlotSpec, kPlotCount> kExperimenterPlots{{
-    {"position, mm", 1e3, 20, kPositionCurves, nullptr},
+    {"depth, mm", 1e3, 20, kPositionCurves, nullptr},
     {"force on the hand, N", 1, 1, kForceCurves, nullptr},
     {"delay, ms", 1e3, 10, kDelayCurves, &kOneWayBand},
     {"energy, mJ", 1e3, 1, kEnergyCurves, nullptr},
@@ -38,6 +38,7 @@ constexpr std::array<PlotSpec, kPlotCount> kExperimenterPlots{{
 constexpr PlotSpec kPlayerPlot{"mm", 1e3, 20, kPlayerCurves, nullptr};
 
 // Lengths in pixels at scale 1; time lines every so many seconds.
+constexpr double kSample = 16;  // of a curve, beside its name
 constexpr double kLineWidth = 2, kLinePitch = 24, kSteepPitch = 3;
 constexpr double kTimeLine_s = 1;
 
@@ -113,14 +114,14 @@ void PlotPanel::draw_axes(ImDrawList& list, const PlotSpec& spec, const Frame& f
     }
     double x = box.x + draw_text(list, point(box.x, box.y - small_text_height() - 2), kWhite, spec.title);
     for (const Curve& curve : spec.curves) {
-        x += 5 * margin;
+        x += 3 * margin;
         const double middle = box.y - small_text_height() / 2 - 1, width = kLineWidth * frame.pixels;
-        for (std::int64_t i = 0; i < static_cast<std::int64_t>(24 * frame.pixels); ++i) {
+        for (std::int64_t i = 0; i < static_cast<std::int64_t>(kSample * frame.pixels); ++i) {
             if (!covered(curve.dash, i, static_cast<std::int64_t>(frame.pixels))) continue;
             const double left = x + static_cast<double>(i);
             list.AddRectFilled(point(left, middle), point(left + 1, middle + width), paint(curve.colour));
         }
-        x += 24 * frame.pixels + margin;
+        x += kSample * frame.pixels + margin;
         x += draw_text(list, point(x, box.y - small_text_height() - 2), kWhite, curve.name);
     }
 }

@@ -13,7 +13,8 @@
 namespace thimble {
 
 // At content scale 1.
-inline constexpr double kBannerHeight = 26, kSideViewHeight = 132, kColumnWidth = 330, kReadingsHeight = 316;
+inline constexpr double kBannerHeight = 26, kColumnWidth = 330, kReadingsHeight = 316;
+inline constexpr double kPlotsWidth = 330, kSceneWidth = 120;  // at least, as far as there is room
 
 inline constexpr double kStopHeight = 56;
 inline constexpr double kTitleHeight = 16, kNumberWidth = 44, kMargin = 6;
@@ -23,13 +24,11 @@ inline constexpr std::array kPlotShares{0.34, 0.24, 0.21, 0.21};
 
 inline constexpr double kRowHeight = 30, kRowGap = 4;
 
-inline constexpr double kSideViewStep_m = 0.02;
-
 inline constexpr std::size_t kPlotCount = 4;
 
 struct ExperimenterLayout {
-    Rect banner;  // what the session does; the alarm
-    Rect side_view;
+    Rect banner;                         // what the session does; the alarm
+    Rect scene;                          // the cut-away view, at the left
     std::array<Rect, kPlotCount> plots;  // positions, forces, delays, energy
     Rect readings;
     Rect controls;
@@ -41,23 +40,24 @@ inline ExperimenterLayout experimenter_layout(double width, double height, doubl
     ExperimenterLayout layout;
     const double column = std::min(kColumnWidth * scale, width / 2);
     const double top = std::min(kBannerHeight * scale, height), left = width - column;
-    const double side = std::min(kSideViewHeight * scale, height - top);
+    const double scene =
+        std::floor(std::min(std::max(left - kPlotsWidth * scale, kSceneWidth * scale), 0.45 * left));
     const double readings = std::min(kReadingsHeight * scale, (height - top) * 0.6);
     layout.banner = {0, 0, width, top};
-    layout.side_view = {0, top, left, side};
+    layout.scene = {0, top, scene, height - top};
     layout.readings = {left, top, column, readings};
     const double stop = std::min(kStopHeight * scale, (height - top - readings) / 3);
     layout.controls = {left, top + readings, column, height - top - readings - stop};
     layout.stop = {left, layout.controls.bottom(), column, stop};
-    double y = top + side;
+    double y = top;
     for (std::size_t i = 0; i < kPlotCount; ++i) {
-        layout.plots[i] = {0, y, left, (height - top - side) * kPlotShares[i]};
+        layout.plots[i] = {scene, y, left - scene, (height - top) * kPlotShares[i]};
         y = layout.plots[i].bottom();
     }
     return layout;
 }
 
-// The drawn box of a plot or of the side view in its rectangle, without title and numbers.
+// The drawn box of a plot in its rectangle, without title and numbers.
 inline Rect plot_box(const Rect& plot, double scale) {
     const double left = kNumberWidth * scale, title = kTitleHeight * scale, margin = kMargin * scale;
     // Whole pixels: a column of a curve is one pixel wide.
@@ -72,21 +72,6 @@ inline Rect control_cell(const Rect& controls, double scale, int row, int column
     const double pitch = (controls.width - 2 * margin + gap) / columns;
     return {controls.x + margin + column * pitch, controls.y + margin + row * height, pitch - gap,
             height - gap};
-}
-
-// Between depths and pixels of the side view: z to the right, into the tissue.
-struct SideViewScale {
-    double low_m = 0, high_m = 0;
-    Rect box;
-
-    double x(double position_m) const { return box.x + (position_m - low_m) / (high_m - low_m) * box.width; }
-};
-// Holds z = 0, the needle and `position_deepest_m` with 20 mm to spare, in steps of 20 mm so that the picture stands still.
-inline SideViewScale side_view_scale(const Rect& box, double position_needle_m, double position_deepest_m) {
-    const double low_m = std::min(position_needle_m, 0.0);
-    const double high_m = std::max(position_needle_m, position_deepest_m);
-    return {std::floor(low_m / kSideViewStep_m) * kSideViewStep_m - kSideViewStep_m,
-            std::ceil(std::max(high_m, 0.0) / kSideViewStep_m) * kSideViewStep_m + kSideViewStep_m, box};
 }
 
 // From values to pixels, with round numbers at the grid lines: [low, high] are multiples of step, which is 1, 2 or 5 times a power of ten.

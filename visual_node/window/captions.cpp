@@ -123,14 +123,16 @@ void draw_fingertip(ImDrawList& list, const Picture::Fingertip& finger) {
     draw_ellipse(list, nail_middle, 0.66F * r, 0.72F * r, to_ink(nail));
 }
 
-// On a soft dark ground, so that it can be read over each layer. Lines break at `width`; 0: nowhere.
-void draw_label(ImDrawList& list, const CutawayLabel& label, float width = 0) {
+// Within `area`, on a soft dark ground, so that it can be read over each layer. Lines break at `width`; 0: nowhere.
+void draw_label(ImDrawList& list, const CutawayLabel& label, const Rect& area, float width = 0) {
     const char* const text = label.text.c_str();
     const ImVec2 size = ImGui::CalcTextSize(text, nullptr, false, width > 0 ? width : -1);
     ImVec2 corner = place(label.at.x, label.at.y);
     const float line = ImGui::GetFontSize(), margin = 0.25F * line;
-    corner.x = std::floor(label.ends_there ? corner.x - size.x : corner.x);
-    corner.y = std::floor(corner.y - line / 2);
+    const ImVec2 from = place(area.x, area.y), to = place(area.right(), area.bottom());
+    if (label.ends_there) corner.x -= size.x;
+    corner.x = std::floor(std::max(from.x + margin, std::min(corner.x, to.x - size.x - margin)));
+    corner.y = std::floor(std::max(from.y, std::min(corner.y - line / 2, to.y - size.y)));
     list.AddRectFilled({corner.x - margin, corner.y}, {corner.x + size.x + margin, corner.y + size.y},
                        IM_COL32(16, 17, 20, 150), margin);
     list.AddText(ImGui::GetFont(), line, corner, to_ink(label.colour), text, nullptr, width);
@@ -185,18 +187,23 @@ void draw_over_tissue(const Picture& picture) {
 
 void draw_over_cutaway(const Scene& scene, const CutawayPlan& plan) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    for (const CutawayLabel& label : cutaway_labels(scene, plan)) draw_label(list, label);
+    for (const CutawayLabel& label : cutaway_labels(scene, plan)) draw_label(list, label, plan.area);
 }
 
 void draw_headline(const std::string& text, const CutawayPlan& plan) {
     const CutawayLabel label{{plan.area.x + 22 * plan.unit, plan.area.y + 24 * plan.unit}, text, kWhite};
-    draw_label(*ImGui::GetBackgroundDrawList(), label, static_cast<float>(0.36 * plan.area.width));
+    draw_label(*ImGui::GetBackgroundDrawList(), label, plan.area, static_cast<float>(0.36 * plan.area.width));
 }
 
-void draw_page(const GuiLayer& gui, const PageText& text, double scene_width, double opacity) {
+void draw_shade(double scene_width, double opacity) {
     const ImVec2 size{static_cast<float>(scene_width), ImGui::GetIO().DisplaySize.y};
     ImGui::GetBackgroundDrawList()->AddRectFilled(
         ImVec2(0, 0), size, to_ink(colours::kBackground, static_cast<int>(std::lround(255 * opacity))));
+}
+
+void draw_page(const GuiLayer& gui, const PageText& text, double scene_width, double opacity) {
+    draw_shade(scene_width, opacity);
+    const ImVec2 size{static_cast<float>(scene_width), ImGui::GetIO().DisplaySize.y};
     const float y = draw_lines(gui.large_font(), text.title, 0.3F * size.y, to_ink(colours::kNeedle), size.x);
     draw_lines(ImGui::GetFont(), text.body, y + ImGui::GetFontSize(), to_ink(colours::kInk), size.x);
 }

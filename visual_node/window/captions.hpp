@@ -30,6 +30,8 @@ void draw_over_tissue(const Picture& picture);
 void draw_over_cutaway(const Scene& scene, const CutawayPlan& plan);
 // A line at the top left, where the needle never is.
 void draw_headline(const std::string& text, const CutawayPlan& plan);
+// Darkens a scene so wide; `opacity` 1: covers it.
+void draw_shade(double scene_width, double opacity);
 // Covers a scene so wide, and no panel beside it; `opacity` 1: wholly. Lines too long for it are broken between words.
 void draw_page(const GuiLayer& gui, const PageText& text, double scene_width, double opacity = 1);
 // A box in the middle.

@@ -16,6 +16,23 @@ constexpr double kLeastForce_N = 0.3;  // smaller ones have no arrow
 constexpr Colour kGroundTop{24, 28, 36}, kGroundBottom{66, 74, 88};
 
 double total_N(const CutAway& cut) { return cut.force_tissue_N + cut.force_fixture_N; }
+// Deeper than its shaft is long, the needle would leave the picture and its hub the air.
+double deepest_m(const Scene& scene) { return scene.position_surface_rest_m + kShaft_m; }
+double tip_m(const Scene& scene) { return std::min(scene.cut_away->position_needle_m, deepest_m(scene)); }
+
+// A visitor knows no newtons.
+std::string weight_text(double force_N) {
+    constexpr double kGravity_m_per_s2 = 9.81;
+    const double kg = std::abs(force_N) / kGravity_m_per_s2;
+    if (kg < 1) return fmt::format("like {:.0f} g", 10 * std::round(100 * kg));
+    return kg < 10 ? fmt::format("like {:.1f} kg", kg) : fmt::format("like {:.0f} kg", kg);
+}
+// Beside a narrow scene's needle there is room for the number alone.
+std::string force_text(double force_N, const CutawayPlan& plan) {
+    const std::string number = fmt::format("{:.1f} N", std::abs(force_N));
+    return plan.area.width < 0.6 * plan.area.height ? number : number + ", " + weight_text(force_N);
+}
+
 bool touches(double force_N) { return std::abs(force_N) > kLeastForce_N; }
 
 double arrow_length(double force_N, const CutawayPlan& plan) {
@@ -92,6 +109,13 @@ void draw_bar(Mesh& mesh, const Picture::Bar& bar, const CutawayPlan& plan) {
     }
 }
 
+// Beneath a tip that has gone on.
+void draw_deeper(Mesh& mesh, const CutawayPlan& plan, double tip_y) {
+    const double u = plan.unit, x = plan.axis_x, top = tip_y + 3 * u;
+    const std::array corners{Spot{x - 13 * u, top}, Spot{x + 13 * u, top}, Spot{x, top + 15 * u}};
+    mesh.polygon(corners, ink(kYellow));
+}
+
 void draw_ground(Mesh& mesh, const CutawayPlan& plan) {
     const Rect& a = plan.area;
     mesh.box_down({a.x, a.y}, {a.right(), a.bottom()}, ink(kGroundTop), ink(kGroundBottom));
@@ -127,15 +151,19 @@ CutawayPlan plan_cutaway(const Rect& area) {
 
 void build_cutaway(const Scene& scene, const CutawayPlan& plan, Mesh& mesh) {
     mesh.clear();
-    const CutAway& cut = *scene.cut_away;
+    Scene shown = scene;
+    shown.cut_away->position_needle_m = tip_m(scene);
+    const CutAway& cut = *shown.cut_away;
     draw_ground(mesh, plan);
-    draw_tissue(mesh, scene, plan);
+    draw_tissue(mesh, shown, plan);
     draw_fixture(mesh, cut, plan);
     draw_needle(mesh, cut, plan);
     draw_god_object(mesh, cut, plan);
-    draw_hands(mesh, scene, plan);
+    draw_hands(mesh, shown, plan);
     draw_hand_ghost(mesh, cut, plan);
     if (scene.bar_shown) draw_bar(mesh, bar_of(scene, plan), plan);
+    if (scene.cut_away->position_needle_m > deepest_m(scene))
+        draw_deeper(mesh, plan, plan.y(cut.position_needle_m));
     const double total = total_N(cut);
     if (touches(total))
         draw_arrow(mesh, {plan.axis_x - 24 * plan.unit, plan.y(cut.position_needle_m)}, total, plan,
@@ -164,28 +192,25 @@ std::vector<CutawayLabel> cutaway_labels(const Scene& scene, const CutawayPlan& 
                           kWhite});
     }
     if (cut.fixture_present) {
-        labels.push_back({{plan.block_right - 10 * u, plan.y(cut.position_fixture_m) + 14 * u},
+        labels.push_back({{plan.block_right - 10 * u, plan.y(cut.position_fixture_m) - 14 * u},
                           "virtual wall",
                           colours::kInk,
                           true});
     }
     const double total = total_N(cut);
-    const double tip = std::min(plan.y(cut.position_needle_m), plan.area.bottom() - 14 * u);
+    const double tip = plan.y(tip_m(scene)), hub = hub_bottom(plan, tip_m(scene));
     if (touches(total))
-        labels.push_back(
-            {{plan.axis_x - 40 * u, tip - 10 * u}, fmt::format("{:.1f} N", std::abs(total)), kWhite, true});
+        labels.push_back({{plan.axis_x - 40 * u, tip - 10 * u}, force_text(total, plan), kWhite, true});
     if (cut.phase == TissuePhase::kPenetrated) {
         const double depth_mm = 1e3 * (cut.position_needle_m - rest_m);
-        labels.push_back({{plan.axis_x + 36 * u, tip}, fmt::format("{:.0f} mm deep", depth_mm), kWhite});
+        labels.push_back({{plan.axis_x + 36 * u, tip + 8 * u}, fmt::format("{:.0f} mm deep", depth_mm), kWhite});
     }
     labels.push_back({{plan.area.x + 22 * u, plan.y(-0.080)}, felt_at(cut.modality), kWhite});
     if (cut.position_hand_m && std::abs(*cut.position_hand_m - cut.position_needle_m) > 0.02)
         labels.push_back(
             {{plan.axis_x + 66 * u, hub_bottom(plan, *cut.position_hand_m) - 46 * u}, "your hand", kWhite});
     if (cut.modality == Modality::kCCF)
-        labels.push_back({{plan.axis_x + 60 * u, hub_bottom(plan, cut.position_needle_m) - 10 * u},
-                          "moving hand",
-                          colours::kInk});
+        labels.push_back({{plan.axis_x + 60 * u, hub - 10 * u}, "moving hand", colours::kInk});
     if (scene.bar_shown) {
         const Picture::Bar bar = bar_of(scene, plan);
         const double y = bar.top + bar.height + 16 * u;

@@ -26,9 +26,11 @@ struct CutawayPlan {
 };
 
 // Of the axis z: from here to there the view reaches.
-inline constexpr double kCutawayTop_m = -0.150, kCutawayBottom_m = 0.152;
-// From the needle's tip to its hub.
+inline constexpr double kCutawayTop_m = -0.150, kCutawayBottom_m = 0.165;
+// From the needle's tip to its hub. A tip that is deeper beneath the skin is drawn there, with an arrow that points down.
 inline constexpr double kShaft_m = 0.132;
+// Of the virtual wall's line.
+inline constexpr Colour kWallLine{240, 176, 216};
 // The longest arrow.
 inline constexpr double kArrowFull_N = 12;
 

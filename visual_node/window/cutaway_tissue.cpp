@@ -182,7 +182,7 @@ void draw_fixture(Mesh& mesh, const CutAway& cut, const CutawayPlan& plan) {
     if (!cut.fixture_present) return;
     const double u = plan.unit, y = std::floor(plan.y(cut.position_fixture_m));
     const bool pressed = cut.position_needle_m >= cut.position_fixture_m;
-    const Ink glow = ink(kReddishPurple, pressed ? 0.7 : 0.45), line = ink({240, 176, 216});
+    const Ink glow = ink(kReddishPurple, pressed ? 0.7 : 0.45), line = ink(kWallLine);
     mesh.box_down({plan.block_left, y}, {plan.block_right, y + 22 * u}, glow, faded(glow, 0));
     mesh.box_down({plan.block_left, y - 7 * u}, {plan.block_right, y}, faded(glow, 0), faded(glow, 0.5));
     const double thick = std::max(2.0, std::round((pressed ? 4 : 3) * u));

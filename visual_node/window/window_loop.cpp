@@ -241,8 +241,9 @@ std::optional<Scene> WindowLoop::scene_at(SessionTime now) {
 
 // The picture may be wrong by now, and nothing would show it.
 void WindowLoop::draw_notices() const {
-    const std::string text = stale_ ? "no news from the needle: the picture stands still" : notice_;
+    std::string text = stale_ ? "no news from the needle: the picture stands still" : notice_;
     if (!painter_.cutaway()) return draw_notice(text, scene_width());
+    if (text.empty() && page_.kind != PageKind::kNone) text = words_of_page().title;
     if (!text.empty()) draw_headline(text, *painter_.cutaway());
 }
 
@@ -255,6 +256,14 @@ PageText WindowLoop::words_of_page() const {
     return text;
 }
 
+// A subject sees nothing between trials. A player sees how the last one ended, and the headline has a title without text.
+void WindowLoop::draw_page_over(const PageText& words) const {
+    constexpr double kShade = 0.6;
+    if (!painter_.cutaway()) return draw_page(gui_, words, scene_width());
+    if (words.body.empty()) return draw_shade(scene_width(), kShade);
+    draw_page(gui_, words, scene_width(), kShade);
+}
+
 void WindowLoop::draw_overlay(SessionTime now) {
     OverlayFrame frame{*parts_.window, gui_, parts_.display == nullptr ? nullptr : &times_};
     if (parts_.hand != nullptr) frame.hand_holds = parts_.hand->hand().engaged;
@@ -263,9 +272,7 @@ void WindowLoop::draw_overlay(SessionTime now) {
 
 void WindowLoop::draw_captions(SessionTime now, const std::optional<Scene>& scene) {
     if (scene) painter_.draw_over(*scene);
-    // A subject sees nothing between trials; a player sees how the last one ended.
-    const double opacity = painter_.cutaway() ? 0.6 : 1;
-    if (page_.kind != PageKind::kNone) draw_page(gui_, words_of_page(), scene_width(), opacity);
+    if (page_.kind != PageKind::kNone) draw_page_over(words_of_page());
     if (parts_.overlay != nullptr) draw_overlay(now);
     if (times_shown_ && parts_.display != nullptr) draw_times(times_);
     draw_notices();

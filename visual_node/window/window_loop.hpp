@@ -76,6 +76,7 @@ class WindowLoop {
     std::optional<Scene> scene_at(SessionTime now);
     void draw_captions(SessionTime now, const std::optional<Scene>& scene);
     void draw_notices() const;
+    void draw_page_over(const PageText& words) const;
     void draw_overlay(SessionTime now);
     PageText words_of_page() const;
     std::string keys() const;

@@ -13,7 +13,7 @@ TEST(ViewLayout, NothingOverlapsAndNothingLeavesTheWindow) {
         const double width = *rc::gen::inRange(200, 4000), height = *rc::gen::inRange(150, 3000);
         const double scale = 0.25 * *rc::gen::inRange(4, 13);
         const ExperimenterLayout layout = experimenter_layout(width, height, scale);
-        std::vector<Rect> all{layout.banner, layout.side_view, layout.readings, layout.controls};
+        std::vector<Rect> all{layout.banner, layout.scene, layout.readings, layout.controls};
         all.insert(all.end(), layout.plots.begin(), layout.plots.end());
         constexpr double kRounding = 1e-6;
         for (const Rect& a : all) {
@@ -33,24 +33,13 @@ TEST(ViewLayout, EverythingHasRoomAt800x600) {
     const ExperimenterLayout layout = experimenter_layout(800, 600, 1);
     for (const Rect& plot : layout.plots) {
         const Rect box = plot_box(plot, 1);
-        EXPECT_GT(box.width, 400);
+        EXPECT_GT(box.width, 250);
         EXPECT_GT(box.height, 60);
         EXPECT_GE(box.x, plot.x);
         EXPECT_LE(box.right(), plot.right());
         EXPECT_LE(box.bottom(), plot.bottom());
     }
     EXPECT_GT(layout.controls.height, 200);
-}
-
-TEST(ViewLayout, TheSideViewHoldsNeedleAndFixture) {
-    const Rect box{50, 20, 400, 100};
-    const SideViewScale scale = side_view_scale(box, -0.011, 0.123);
-    EXPECT_NEAR(scale.low_m, -0.04, 1e-12);
-    EXPECT_NEAR(scale.high_m, 0.16, 1e-12);
-    EXPECT_NEAR(scale.x(-0.04), 50, 1e-9);
-    EXPECT_NEAR(scale.x(0.16), 450, 1e-9);
-    EXPECT_NEAR(scale.x(0.06), 250, 1e-9);
-    EXPECT_GT(side_view_scale(box, 0.3, 0.123).high_m, 0.3);
 }
 
 TEST(PlotScale, RoundNumbersAroundTheValues) {

@@ -36,13 +36,28 @@ TEST(Cutaway, AMillimetreIsAsLongInEachDepth) {
 }
 
 TEST(Cutaway, ForceAndDepthStandBesideTheNeedle) {
-    EXPECT_THAT(texts(scene_with(0.122)), testing::IsSupersetOf({"4.0 N", "102 mm deep", "virtual wall"}));
+    EXPECT_THAT(texts(scene_with(0.122)),
+                testing::IsSupersetOf({"4.0 N, like 410 g", "102 mm deep", "virtual wall"}));
     Scene outside = scene_with(0.01);
     outside.cut_away->phase = TissuePhase::kFree;
     outside.cut_away->force_tissue_N = 0;
     outside.cut_away->fixture_present = false;
     EXPECT_THAT(texts(outside), testing::Not(testing::Contains(testing::HasSubstr("deep"))));
     EXPECT_THAT(texts(outside), testing::Not(testing::Contains("virtual wall")));
+}
+
+// A hand that shoves: the numbers stay, and everything is drawn within the picture.
+TEST(Cutaway, ANeedleThatGoesOnStaysInThePicture) {
+    const Scene scene = scene_with(0.26);
+    const CutawayPlan plan = plan_cutaway(kArea);
+    EXPECT_THAT(texts(scene), testing::Contains("240 mm deep"));
+    for (const CutawayLabel& label : cutaway_labels(scene, plan)) EXPECT_LT(label.at.y, 590) << label.text;
+    Mesh deep, deeper;
+    build_cutaway(scene, plan, deep);
+    build_cutaway(scene_with(0.30), plan, deeper);
+    EXPECT_EQ(deep.indices(), deeper.indices());
+    for (std::size_t i = 0; i < deep.vertices().size(); ++i)
+        ASSERT_EQ(deep.vertices()[i].y, deeper.vertices()[i].y) << i;
 }
 
 TEST(Cutaway, ModalitiesHaveWordsOfTheirOwn) {
