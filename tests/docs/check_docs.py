@@ -57,7 +57,7 @@ def check_keys(sources, tables, write):
 def check_figures(sources):
     page = (sources / 'docs/figures.md').read_text()
     files = {file.name: folder for folder in ['figures', 'pictures'] for file in (sources / 'docs' / folder).iterdir()
-             if file.suffix in ('.svg', '.png')}
+             if file.suffix in ('.svg', '.png', '.webp')}
     rows = re.findall(r'^\| (`.*?) \|', page, re.M)
     named = {pathlib.Path(name).name for row in rows for name in re.findall(r'`([\w./-]+)`', row)}
     for name in sorted(files.keys() - named):
