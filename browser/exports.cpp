@@ -127,6 +127,10 @@ EMSCRIPTEN_KEEPALIVE void draw(int side, double width, double height, int fixtur
     build_cutaway(scene, plan, one.mesh);
     one.labels = lines_of(cutaway_labels(scene, plan));
 }
+EMSCRIPTEN_KEEPALIVE double drawn_needle_m(int side) {
+    const Side& one = side_of(side);
+    return one.calm ? one.calm->cut_away->position_needle_m : 0;
+}
 // A sample of a recorded trial, for draw(). Without a known fixture `fixture_m` is NaN.
 EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_m, double fixture_m,
                                       double tissue_N, double fixture_N, int phase, int modality) {

@@ -37,6 +37,7 @@ class Engine {
     const at = this.m._rumble(side, now) / 8;
     return at ? { strongMagnitude: this.m.HEAPF64[at], weakMagnitude: this.m.HEAPF64[at + 1], duration: 1000 * this.m._rumble_lasts_s() } : null;
   }
+  drawnNeedle(side) { return this.m._drawn_needle_m(side); }
   show(side, values) { this.m._show_sample(side, ...values); }
   pixelsPerMetre(height) { return this.m._pixels_per_metre(height); }
   vertices(side) { return this.m.HEAPU8.subarray(this.m._vertices(side), this.m._vertices(side) + this.m._vertex_bytes(side)); }

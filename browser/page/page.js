@@ -179,7 +179,7 @@ class Page {
       shown.textContent = value;
       figures.children[i].classList.toggle('bad', key === 'energy_bad');
     });
-    document.querySelector('.grip').setAttribute('aria-valuenow', Math.round(1000 * s.needle_m));
+    document.querySelector('.grip').setAttribute('aria-valuenow', Math.round(1000 * this.engine.drawnNeedle(SIDE.main)));
     if (s.beeps > this.beeps) this.beep();
     this.beeps = s.beeps;
     this.giveHint(now);

@@ -161,7 +161,7 @@ def try_gamepad(visitor):
     expect(pushed > 0.02, f"A held and the stick down push the needle ({1000 * pushed:.0f} mm)")
 
 
-SHOWN = "return page.engine.labels(0).map((l) => l.text).filter((t) => t.endsWith('deep')).map((t) => parseInt(t, 10))[0] ?? 0"
+SHOWN = "return +document.querySelector('.grip').getAttribute('aria-valuenow')"
 
 
 def try_calm(visitor):

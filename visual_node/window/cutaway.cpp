@@ -27,10 +27,12 @@ std::string weight_text(double force_N) {
     if (kg < 1) return fmt::format("like {:.0f} g", 10 * std::round(100 * kg));
     return kg < 10 ? fmt::format("like {:.1f} kg", kg) : fmt::format("like {:.0f} kg", kg);
 }
-// Beside a narrow scene's needle there is room for the number alone.
+// Beside the needle of a narrow scene there is room for numbers alone, and none on the wall's line.
+bool narrow(const CutawayPlan& plan) { return plan.area.width < 0.6 * plan.area.height; }
+
 std::string force_text(double force_N, const CutawayPlan& plan) {
     const std::string number = fmt::format("{:.1f} N", std::abs(force_N));
-    return plan.area.width < 0.6 * plan.area.height ? number : number + ", " + weight_text(force_N);
+    return narrow(plan) ? number : number + ", " + weight_text(force_N);
 }
 
 bool touches(double force_N) { return std::abs(force_N) > kLeastForce_N; }
@@ -191,19 +193,20 @@ std::vector<CutawayLabel> cutaway_labels(const Scene& scene, const CutawayPlan& 
                           fmt::format("{}{}", depth_mm, depth_mm == 20 ? " mm" : ""),
                           kWhite});
     }
-    if (cut.fixture_present) {
+    if (cut.fixture_present && !narrow(plan)) {
         labels.push_back({{plan.block_right - 10 * u, plan.y(cut.position_fixture_m) - 14 * u},
                           "virtual wall",
                           colours::kInk,
                           true});
     }
-    const double total = total_N(cut);
+    const double total = total_N(cut), aside = narrow(plan) ? 0.035 * plan.area.height : 9 * u;
     const double tip = plan.y(tip_m(scene)), hub = hub_bottom(plan, tip_m(scene));
     if (touches(total))
-        labels.push_back({{plan.axis_x - 40 * u, tip - 10 * u}, force_text(total, plan), kWhite, true});
+        labels.push_back({{plan.axis_x - 40 * u, tip - aside}, force_text(total, plan), kWhite, true});
     if (cut.phase == TissuePhase::kPenetrated) {
         const double depth_mm = 1e3 * (cut.position_needle_m - rest_m);
-        labels.push_back({{plan.axis_x + 36 * u, tip + 8 * u}, fmt::format("{:.0f} mm deep", depth_mm), kWhite});
+        labels.push_back(
+            {{plan.axis_x + 36 * u, tip + aside}, fmt::format("{:.0f} mm deep", depth_mm), kWhite});
     }
     labels.push_back({{plan.area.x + 22 * u, plan.y(-0.080)}, felt_at(cut.modality), kWhite});
     if (cut.position_hand_m && std::abs(*cut.position_hand_m - cut.position_needle_m) > 0.02)
