@@ -1,5 +1,6 @@
 // The fate of each packet: lost or not, how long it waits; statistics, order, and what it may depend on.
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -45,9 +46,12 @@ TEST(LinkFate, OrderOnlyRaisesDueTimes) {
 
 // RFC 3168: the last two bits of the traffic class. The same packets are marked that are lost without ECN.
 TEST(LinkFate, MarksInsteadOfLosingWhoUnderstandsEcn) {
-    const LinkSettings settings{
-        .loss = LossSettings::independent(0.3), .duplicate = 0.1, .in_order = true, .ecn = true};
-    for (const std::uint8_t traffic_class : {0xb8, 0xb9, 0xba}) {
+    LinkSettings settings{};
+    settings.loss = LossSettings::independent(0.3);
+    settings.duplicate = 0.1;
+    settings.in_order = true;
+    settings.ecn = true;
+    for (const auto traffic_class : std::array<std::uint8_t, 3>{0xb8, 0xb9, 0xba}) {
         LinkModel link(settings, kKey, 0);
         for (std::uint32_t i = 0; i < 1000; ++i)
             link.push(SessionTime{}, NumberedPacket(i).bytes(), traffic_class);
