@@ -13,7 +13,7 @@ constexpr std::size_t kRoomBytes = 65536;  // more than any UDP datagram has
 constexpr std::size_t kMostJoinedBytes = 60000;
 
 bool same_receiver(const SocketAddress& a, const SocketAddress& b) {
-    return std::memcmp(&a, &b, sizeof a) == 0;  // both made by UdpAddress, without anything unset
+    return UdpAddress::of(a) == UdpAddress::of(b);
 }
 
 }  // namespace
