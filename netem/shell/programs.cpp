@@ -41,6 +41,7 @@ void Programs::obey(const signalfd_siginfo& signal, SessionTime now) {
     if (signal.ssi_code != SI_KERNEL) signal_all(number);
     const bool ends = number == SIGTERM || number == SIGHUP || (number == SIGINT && rooms_.size() > 1);
     if (!ends) return;
+    asked_code_ = 128 + number;
     if (++asked_ > 1) signal_all(SIGKILL);
     if (rooms_.size() > 1) ask_at_ = std::min(ask_at_, now + kAfterCtrlC);
 }
@@ -68,8 +69,9 @@ void Programs::look(SessionTime now) {
 void Programs::note_end(std::size_t program, int status, SessionTime now) {
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     const bool ended_by_us = kill_at_ != kNever && (code == 128 + SIGTERM || code == 128 + SIGKILL);
+    const int counted = ended_by_us ? asked_code_ : code;
     codes_[program] = code;
-    if (exit_code_ == 0 && !ended_by_us) exit_code_ = code;
+    if (exit_code_ == 0) exit_code_ = counted;
     if (kill_at_ == kNever) ask_at_ = now;
 }
 

@@ -46,6 +46,7 @@ class Programs {
     std::vector<std::unique_ptr<ProgramRoom>> rooms_;
     std::vector<std::optional<int>> codes_;
     int exit_code_ = 0, asked_ = 0;
+    int asked_code_ = 0;                              // of the signal that asked for the end
     SessionTime ask_at_ = kNever, kill_at_ = kNever;  // the rest of a pair
 };
 
