@@ -45,7 +45,7 @@ TEST_F(PairProgram, MulticastComesAcross) {
                                            "socket.SOCK_DGRAM)\ns.bind(('', 7400))\n"
                                            "s.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, "
                                            "socket.inet_aton('239.255.0.1') + bytes(4))\n"
-                                           "s.settimeout(10)\nprint(s.recvfrom(100))\""});
+                                           "s.settimeout(60)\nprint(s.recvfrom(100))\""});
     EXPECT_EQ(result.exit_code, 0) << result.output;
     EXPECT_THAT(result.output, HasSubstr("b'found', ('10.77.0.1'"));
 }
