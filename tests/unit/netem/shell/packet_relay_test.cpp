@@ -52,12 +52,12 @@ struct PacketRelayTest : testing::Test {
     Wire program, host, slirp, wake;
 
     PacketRelay relay(const LinkPair& links = {}) {
-        return {
-            {.links = links,
-             .inner = {program.relay_end()},
-             .outer = {{host.relay_end(), -1, false, {10, 0, 0, 2}, Octets(16, 0)}, {slirp.relay_end(), -1, true}}},
-            nullptr,
-            wake.relay_end()};
+        return {{.links = links,
+                 .inner = {program.relay_end()},
+                 .outer = {{host.relay_end(), -1, false, {10, 0, 0, 2}, Octets(16, 0)},
+                           {slirp.relay_end(), -1, true}}},
+                nullptr,
+                wake.relay_end()};
     }
     static void run(PacketRelay& relay) {
         for (int i = 0; i < 3; ++i) relay.step(wall_now() + std::chrono::milliseconds{1});
