@@ -71,6 +71,7 @@ void measure(int width, int height, bool paced, bool cut_away) {
 int main() {
     return thimble::guarded_main("thimble-bench-window", [] {
         fmt::print("| ms | median | 90 % | 99 % | worst |\n| --- | --- | --- | --- | --- |\n");
+        for (const bool paced : {false, true}) measure(800, 600, paced, false);
         for (const bool cut_away : {false, true}) {
             for (const bool paced : {false, true}) measure(1280, 800, paced, cut_away);
         }
