@@ -123,7 +123,7 @@ TEST_F(OtherMachines, FilesOfTheSessionComeAlong) {
     std::vector<std::string> words{"run",         file.string(),
                                    "--out",       (folder_ / "out").string(),
                                    "--base-port", std::to_string(ports.base())};
-    for (const std::string& word : arguments(programs_)) words.push_back(word);
+    for (const std::string& word : arguments(programs_, kLockStep)) words.push_back(word);
     const Outcome outcome = run_thimble(words);
     ASSERT_EQ(outcome.code, 0) << outcome.words;
     const auto report = nlohmann::json::parse(read_text(folder_ / "out/nodes/thimble-netem_0ms.json"));
