@@ -149,6 +149,7 @@ SessionTime NodeProcess::patient_until() {
 }
 
 void NodeProcess::excuse_standstill() {
+    if (ticks_.stood_still() == Duration{}) return;  // as a rule
     orders_.did_not_listen(ticks_.stood_still());
     if (InboundFlow* vital = vital_flow()) vital->did_not_listen(ticks_.stood_still());
 }

@@ -116,6 +116,7 @@ void SessionProcess::tick(SessionTime now) {
 }
 
 void SessionProcess::excuse_standstill() {
+    if (ticks_.stood_still() == Duration{}) return;  // as a rule
     for (NodePeer& peer : peers_) peer.did_not_listen(ticks_.stood_still());
     record_flow_.did_not_listen(ticks_.stood_still());
 }
