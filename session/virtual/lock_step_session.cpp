@@ -14,6 +14,11 @@
 namespace thimble {
 namespace {
 
+// What comes here makes its node send nothing before it is due. netem and slave_sim answer at once, so their ports are not here.
+constexpr std::array kQuietPorts{Port::kMasterForce,         Port::kMasterPerceptCutaneous,
+                                 Port::kMasterPerceptVisual, Port::kCutaneousForce,
+                                 Port::kVisualForce,         Port::kVisualScene};
+
 // The session's own process, in the conductor itself.
 class CountedProcess final : public Process {
   public:
@@ -194,12 +199,13 @@ void AnnouncedMail::take(Role role, std::span<std::uint16_t> datagrams) {
     }
 }
 
-bool AnnouncedMail::only_pictures() const {
-    const auto wants_answer = [this](Port port) {
-        return owner(port) == Role::kVisual && port != Port::kVisualForce && port != Port::kVisualScene &&
-               waiting_[static_cast<std::size_t>(port)] > 0;
+bool AnnouncedMail::only_data(Role role) const {
+    const auto wants_answer = [this, role](Port port) {
+        return owner(port) == role && waiting_[static_cast<std::size_t>(port)] > 0 &&
+               std::find(kQuietPorts.begin(), kQuietPorts.end(), port) == kQuietPorts.end();
     };
-    return !beep_ && std::none_of(kEveryPort.begin(), kEveryPort.end(), wants_answer);
+    const bool beep = role == Role::kVisual && beep_;
+    return !beep && std::none_of(kEveryPort.begin(), kEveryPort.end(), wants_answer);
 }
 
 void GrantedProcess::begin(Duration limit) {
@@ -229,10 +235,9 @@ void GrantedProcess::tick(SessionTime now) {
                     to_string(role_), due_at_once_, to_seconds(now.time_since_epoch()));
 }
 
-// Between two frames pictures and forces change the next scene, and nothing else.
+// Between two frames, samples or percepts data change the next one, and nothing else.
 bool GrantedProcess::may_be_quiet(SessionTime now) const {
-    return role_ == Role::kVisual && now < std::min(next_, quiet_until_) && quiet_ < kMostQuiet &&
-           mail_.only_pictures();
+    return now < std::min(next_, quiet_until_) && quiet_ < kMostQuiet && mail_.only_data(role_);
 }
 
 std::optional<LockStepMessage> GrantedProcess::receive() {

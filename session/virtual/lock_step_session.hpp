@@ -27,8 +27,8 @@ class AnnouncedMail {
     void post(std::span<const std::uint16_t> sent);
     // For the ports of one program; the others are zero.
     void take(Role role, std::span<std::uint16_t> datagrams);
-    // Whether visual has nothing to answer: pictures and forces alone wait for it, and no beep.
-    bool only_pictures() const;
+    // Whether a node has nothing to answer before it is due: forces, percepts and pictures alone wait for it, and no beep.
+    bool only_data(Role role) const;
 
   private:
     std::uint32_t* woken_;

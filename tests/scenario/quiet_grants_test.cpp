@@ -1,4 +1,5 @@
-// Lock-step wakes visual for its frames and for a beep. A flow that is new must not change that unnoticed.
+// Lock-step wakes visual for its frames and for a beep, master and cutaneous for their own times. A new flow must not change that
+// unnoticed.
 #include <memory>
 #include <variant>
 
@@ -49,15 +50,34 @@ TEST(QuietGrants, MailForVisualIsQuietButForBeepsAndOrders) {
     while (session.step()) {
         woken = 0;
         mail.post(sent.datagrams);
-        if (woken != 0) ++(mail.only_pictures() ? quiet : full);
+        if (woken != 0) ++(mail.only_data(Role::kVisual) ? quiet : full);
         beeps += sent.beep ? 1 : 0;
-        EXPECT_FALSE(sent.beep && mail.only_pictures()) << to_seconds(session.now().time_since_epoch());
+        EXPECT_FALSE(sent.beep && mail.only_data(Role::kVisual))
+            << to_seconds(session.now().time_since_epoch());
         sent = {};
         DatagramCounts taken{};
         mail.take(Role::kVisual, taken);
     }
     EXPECT_GE(beeps, 1);
     EXPECT_GT(quiet, 50 * full) << quiet << " of " << quiet + full;
+}
+
+TEST(QuietGrants, NeedlesAndOrdersAreAnswered) {
+    std::uint32_t woken = 0;
+    const auto quiet = [&woken](Role role, Port port) {
+        AnnouncedMail mail(&woken);
+        DatagramCounts sent{};
+        sent.at(static_cast<std::size_t>(port)) = 1;
+        mail.post(sent);
+        return mail.only_data(role);
+    };
+    EXPECT_TRUE(quiet(Role::kMaster, Port::kMasterForce));
+    EXPECT_TRUE(quiet(Role::kMaster, Port::kMasterPerceptCutaneous));
+    EXPECT_TRUE(quiet(Role::kCutaneous, Port::kCutaneousForce));
+    EXPECT_FALSE(quiet(Role::kNetem, Port::kNetemForceMaster));
+    EXPECT_FALSE(quiet(Role::kSlaveSim, Port::kSlaveNeedle));
+    EXPECT_FALSE(quiet(Role::kMaster, Port::kMasterControl));
+    EXPECT_FALSE(quiet(Role::kCutaneous, Port::kCutaneousStop));
 }
 
 }  // namespace
