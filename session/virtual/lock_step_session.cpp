@@ -14,7 +14,7 @@
 namespace thimble {
 namespace {
 
-// What comes here makes its node send nothing before it is due. netem and slave_sim answer at once, so their ports are not here.
+// Data at these ports make their node send nothing before it is due. netem and slave_sim answer at once, so theirs are missing.
 constexpr std::array kQuietPorts{Port::kMasterForce,         Port::kMasterPerceptCutaneous,
                                  Port::kMasterPerceptVisual, Port::kCutaneousForce,
                                  Port::kVisualForce,         Port::kVisualScene};
