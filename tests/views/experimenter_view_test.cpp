@@ -60,8 +60,8 @@ class ExperimenterView : public OnAScreen {
 void expect_fixture_at_its_place(const Image& image, double scale) {
     const CutawayPlan plan = plan_cutaway(experimenter_layout(image.width, image.height, scale).scene);
     const double wide = plan.block_right - plan.block_left;
-    const int line = count_pixels(
-        image, {plan.block_left, std::floor(plan.y(kDemonstrationFixture_m)), wide, 3 * scale}, kWallLine);
+    const Rect row{plan.area.x, std::floor(plan.y(kDemonstrationFixture_m)), plan.area.width, 3 * scale};
+    const int line = count_pixels(image, row, kWallLine);
     EXPECT_GT(line, wide);  // two pixels high, and the needle covers some
     EXPECT_EQ(count_pixels(image, plan.area, kWallLine), line);
 }
