@@ -1,5 +1,6 @@
 // thimble study: a session's trials by virtual subjects in virtual time, once or over many seeds; by default the paper's.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -55,7 +56,10 @@ struct StudyDesign {
     Provenance made_with{};
 };
 
-// --experiment N is the short form of the paper's sessions.
+// A session's operator, rig and network, with the trials of the paper's experiments.
+bool has_papers_trials(const StudyArguments& a) { return !a.session.empty() && !a.experiment.empty(); }
+
+// Without a session --experiment N is the short form of the paper's sessions.
 std::vector<std::filesystem::path> sessions_of(const StudyArguments& a) {
     if (!a.session.empty()) return {a.session};
     const std::string experiment = a.experiment.empty() ? "3" : a.experiment;
@@ -73,7 +77,7 @@ SystemSettings settings_of(const std::filesystem::path& file, const StudyArgumen
     require_virtual_subjects(settings, "study");
     if (!a.order.empty()) settings.plan.order = *parse_order(a.order);
     if (a.seed) settings.plan.seed = *a.seed;
-    if (!a.subjects) return settings;
+    if (!a.subjects || has_papers_trials(a)) return settings;
     if (!settings.protocol) settings.protocol.emplace();
     settings.protocol->subjects = *a.subjects;
     return settings;
@@ -91,18 +95,36 @@ OtherValues other_values(const StudyArguments& a) {
     return other;
 }
 
+std::vector<Protocol> papers_protocols(const SystemSettings& settings, const StudyArguments& a) {
+    if (settings.protocol || settings.plan.names_delays || settings.plan.names_modalities)
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}: says which trials it has, and --experiment {} says it, too: leave out "
+                                "--experiment, or the file's [protocol], delays and modalities",
+                                a.session, a.experiment));
+    constexpr std::array kExperiments{experiment_1, experiment_2, experiment_3};
+    std::vector<Protocol> protocols;
+    for (std::size_t i = 0; i < kExperiments.size(); ++i) {
+        if (a.experiment != "all" && a.experiment != std::to_string(i + 1)) continue;
+        const std::uint32_t papers = i == 2 ? kSubjectsWithDelay : kSubjectsWithoutDelay;
+        protocols.push_back(kExperiments.at(i)(settings, a.subjects.value_or(papers), settings.plan.seed));
+    }
+    return protocols;
+}
+
 StudyDesign design_of(const StudyArguments& a) {
     const std::vector<std::filesystem::path> files = sessions_of(a);
     StudyDesign design;
     for (const std::filesystem::path& file : files) {
         design.settings = settings_of(file, a);
         // A twin is one person: the paper's claims are about a population.
-        design.paper = design.paper && a.from.empty() && is_paper_session(file);
-        for (Protocol& protocol : session_protocols(design.settings))
+        design.paper = design.paper && a.from.empty() && (has_papers_trials(a) || is_paper_session(file));
+        for (Protocol& protocol :
+             has_papers_trials(a) ? papers_protocols(design.settings, a) : session_protocols(design.settings))
             design.protocols.push_back(std::move(protocol));
     }
     design.made_with = made_with(files, other_values(a));
     design.words = files.size() > 1 ? "--experiment all" : shipped_name(files[0]).value_or(files[0].string());
+    if (has_papers_trials(a)) design.words += " --experiment " + a.experiment;
     return design;
 }
 
@@ -334,15 +356,15 @@ Subcommand add_study(CLI::App& app) {
     const auto arguments = std::make_shared<StudyArguments>();
     StudyArguments& a = *arguments;
     CLI::App* study = app.add_subcommand("study", "a session's trials by virtual subjects, in virtual time");
-    CLI::Option* session = add_session_option(*study, a.session,
-                                              "session file (TOML), or one that comes with the program: "
-                                              "paper-experiment-1, -2, -3 (default)");
+    add_session_option(*study, a.session,
+                       "session file (TOML), or one that comes with the program: "
+                       "paper-experiment-1, -2, -3 (default)");
     study
         ->add_option("-e,--experiment", a.experiment,
-                     "short for the paper's sessions. 1: no delay; 2: the fixture vanishes after 5 s of "
-                     "contact; 3: 50 ms on the force path; or all")
-        ->check(CLI::IsMember({"1", "2", "3", "all"}))
-        ->excludes(session);
+                     "the paper's trials. 1: no delay; 2: the fixture vanishes after 5 s of contact; 3: 50 "
+                     "ms on the force path; or all. With a session that names no trials: its operator, rig "
+                     "and network")
+        ->check(CLI::IsMember({"1", "2", "3", "all"}));
     study
         ->add_option("-n,--subjects", a.subjects,
                      "virtual subjects, instead of [protocol] subjects (16, in experiment 3 10)")
@@ -363,6 +385,7 @@ Subcommand add_study(CLI::App& app) {
     study->footer(
         "Examples:\n  thimble study --experiment all --seed 1 --out out/study\n"
         "  thimble study --experiment all --seeds 100 --out out/seeds\n"
+        "  thimble study calibrated-operator --experiment all --out out/calibrated\n"
         "  thimble study --vary handle.friction_N=0.3:1:8 --seeds 12 --out out/friction\n"
         "  thimble study --experiment all --draws 300 --out out/robust\n"
         "  thimble study paper-experiment-3 --compensators wave,energy-bound --out out/controllers\n"
