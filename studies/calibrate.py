@@ -20,7 +20,7 @@ import tomllib
 PLAN_FILE = pathlib.Path(__file__).parent / "preregistration" / "calibration.toml"
 PLAN = tomllib.loads(PLAN_FILE.read_text())
 FREE, FIXED, TARGETS, SEARCH = (PLAN[k] for k in ("free", "fixed", "targets", "search"))
-WORKERS = 3  # studies at a time, a thread each; changes no result
+WORKERS = 5  # studies at a time, a thread each; changes no result
 MODALITIES = ("HF", "CF", "CCF", "VF")
 SIZES = ("f_mean", "f_max", "ratio_mean", "ratio_max", "t_mean_ccf_cf", "t_max_ccf_cf", "hold_rms_m")
 LOGARITHMIC = ("f_mean", "f_max", "hold_rms_m")
@@ -75,7 +75,8 @@ def sizes_of(trials):
 
 
 def study(thimble, folder, values, seed):
-    if not (folder / "summary.json").exists():
+    summary = folder / "summary.json"  # an interrupted study writes one, too
+    if not summary.exists() or json.loads(summary.read_text())["provenance"]["complete"] != "yes":
         folder.mkdir(parents=True, exist_ok=True)
         session = folder / "session.toml"
         session.write_text(session_text(values))

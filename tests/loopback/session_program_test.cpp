@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "session/records/trial_table.hpp"
+#include "session/settings/protocol.hpp"
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
 
@@ -129,6 +130,17 @@ TEST_F(SessionOfAUser, WhatAStudyCannotObeyIsRefusedByName) {
     const Outcome unknown = run_thimble({"study", "paper-experiment-4"});
     EXPECT_EQ(unknown.code, 2);
     EXPECT_THAT(unknown.words, AllOf(HasSubstr("paper-experiment-3"), HasSubstr("delay50")));
+}
+
+TEST_F(SessionOfAUser, ThePapersTrialsTakeASessionsOperator) {
+    const std::vector<std::string> papers{"--experiment", "2", "--subjects", "4", "--no-control"};
+    const auto rows = study("[operator]\ncriterion_N = 3\n", "other", papers);
+    EXPECT_EQ(rows.size(), 4U * kRemovals);
+    EXPECT_THAT(delays_in(rows), ElementsAre(0.0));
+    EXPECT_TRUE(fs::exists(folder_ / "other" / "claims.json"));
+    study("", "usual", papers);
+    EXPECT_NE(read_text(folder_ / "other" / "trials.csv"), read_text(folder_ / "usual" / "trials.csv"));
+    expect_refused("study", kSmall, {"--experiment", "2"}, HasSubstr("[protocol]"));
 }
 
 // Many studies ask how the paper's claims depend on a rig: its trials, other parameters.
