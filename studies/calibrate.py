@@ -82,7 +82,7 @@ def study(thimble, folder, values, seed):
         session.write_text(session_text(values))
         command = [thimble, "study", session, "--seed", str(seed), "--no-control", "--jobs", "1", "--overwrite",
                    "--out", folder]
-        # Without gnuplot on its path the study draws no pictures, which nobody looks at here.
+        # Without gnuplot on its path the study draws no pictures.
         subprocess.run(command, check=True, env={**os.environ, "PATH": "/nonexistent"},
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     return sizes_of(folder / "trials.csv")
