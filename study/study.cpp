@@ -215,6 +215,8 @@ class Study {
         for (const auto& [experiment, panels] : panels_)
             report.sections.push_back(section(experiment, figures));
         if (!with_compensators_.empty()) report.sections.push_back(compensators_section());
+        if (!options_.person.empty())
+            report.sections.push_back({"This person's hand", "", {}, {}, {}, options_.person});
         if (options_.paper_design) report.sections.push_back(claims_section());
         const Protocol& protocol = options_.protocols[0];
         report.provenance = {{"command", options_.command},

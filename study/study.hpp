@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "analysis/claims/claims.hpp"
+#include "analysis/text/html.hpp"
 #include "session/records/mean_trajectory.hpp"
 #include "session/records/trial_table.hpp"
 #include "session/settings/protocol.hpp"
@@ -34,6 +35,7 @@ struct StudyOptions {
     // The trials with HF again, with each of these in the handle's loop, into hf_NAME.csv: HF, each of them, CF, CCF and VF are then
     // compared (compensators.json, as findings.json). The paper's claims are about HF without.
     std::vector<Compensator> compensators{};
+    std::vector<ReportTable> person{};        // of a twin: what this person's hand bears
     bool paper_design = true;                 // the paper's claims are judged only then
     const std::atomic<bool>* stop = nullptr;  // asked between trials
 };

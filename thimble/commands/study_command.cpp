@@ -18,22 +18,16 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "session/participant/dataset.hpp"
 #include "study/fit/fit.hpp"
+#include "study/fit/person_bound.hpp"
 #include "study/study.hpp"
-#include "study/sweeps/joint_draws.hpp"
 #include "study/sweeps/seed_sweep.hpp"
-#include "study/sweeps/variation.hpp"
 #include "study/with_compensator.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"
+#include "thimble/commands/study_sweeps.hpp"
 
 namespace thimble {
 namespace {
-
-struct SweepRequest {
-    std::vector<std::string> vary;  // as typed: NAME=LOW:HIGH[:POINTS]
-    std::uint32_t draws = 0;        // 0: none; then `vary` without points
-    bool asked() const { return !vary.empty() || draws > 0; }
-};
 
 struct StudyArguments {
     std::string session, out;
@@ -160,69 +154,6 @@ std::string study_command(const StudyArguments& a, const StudyDesign& design) {
     return command;
 }
 
-int finish(const SweepOptions& options, bool complete, const std::string& what) {
-    const auto report = options.out / "report.html";
-    if (std::filesystem::exists(report)) fmt::print("report: {}\n", report.string());
-    if (!complete) spdlog::error("interrupted; {} that were done are kept", what);
-    return static_cast<int>(complete ? ExitCode::kOk : ExitCode::kRunFailed);
-}
-
-void say(const ClaimTally& tally, const char* what) {
-    for (const ClaimCount& c : tally.counts()) {
-        if (!c.had_trials) continue;
-        fmt::print("{:>4.0f} % of {} {} {:<18} {}\n", 100 * c.fraction(), c.studies, what, c.claim.id,
-                   c.fragile() ? "fragile: " + c.claim.claim : c.claim.claim);
-    }
-}
-
-void say(const Variation& variation) {
-    fmt::print("{:<18}", variation.range.name());
-    for (const VariedPoint& point : variation.points) fmt::print(" {:>7g}", point.value);
-    fmt::print("\n");
-    const auto& claims = variation.points.front().tally.counts();
-    for (const std::size_t i : shown_claims(variation)) {
-        fmt::print("{:<18}", claims[i].claim.id);
-        for (const VariedPoint& point : variation.points) {
-            fmt::print(" {:>5.0f} %", 100 * point.tally.counts()[i].fraction());
-        }
-        fmt::print("\n");
-    }
-}
-
-std::vector<ParameterRange> ranges_of(const SweepRequest& request) {
-    std::vector<ParameterRange> ranges;
-    for (const std::string& text : request.vary) {
-        ranges.push_back(parse_parameter_range(text));
-        if ((request.draws == 0) == (ranges.back().points == 0)) {
-            throw Error(ExitCode::kUsage,
-                        fmt::format("--vary {}: {}", text,
-                                    request.draws == 0
-                                        ? "needs a number of points: NAME=LOW:HIGH:POINTS"
-                                        : "with --draws, values are drawn: NAME=LOW:HIGH without points"));
-        }
-    }
-    return ranges;
-}
-
-int sweep_seeds(const SystemSettings& settings, const SweepOptions& options) {
-    const TallyResult result = run_sweep(settings, options);
-    say(result.tally, "seeds");
-    return finish(options, result.complete, fmt::format("the {} seeds", result.tally.studies()));
-}
-
-int sweep_parameters(const std::filesystem::path& config, const SweepRequest& request, SweepOptions options) {
-    const std::vector<ParameterRange> ranges = ranges_of(request);
-    if (request.draws == 0) {
-        const VariationResult result = run_variations(config, ranges, options);
-        for (const Variation& variation : result.variations) say(variation);
-        return finish(options, result.complete, "the studies");
-    }
-    options.seeds = request.draws;
-    const TallyResult result = run_draws(config, ranges.empty() ? documented_ranges() : ranges, options);
-    say(result.tally, "draws");
-    return finish(options, result.complete, fmt::format("the {} draws", result.tally.studies()));
-}
-
 // Many studies keep the paper's claims and nothing else. These need the paper's trials; other parameters are what may be asked about.
 void require_paper_trials(const std::vector<Protocol>& protocols) {
     if (std::all_of(protocols.begin(), protocols.end(), plans_paper_trials)) return;
@@ -263,6 +194,8 @@ StudyOptions study_options(const StudyArguments& arguments, const StudyDesign& d
     // A user's session names its delays itself.
     options.control = design.paper && !arguments.no_control;
     options.compensators = compensators_of(arguments, design.settings);
+    if (!arguments.from.empty())
+        options.person = {bounds_table(delay_bounds(design.settings, arguments.from))};
     return options;
 }
 
@@ -281,6 +214,7 @@ int run_one_study(const StudyArguments& arguments) {
                  result.simulated_s / result.wall_s);
     if (!arguments.json && !result.claims.empty()) fmt::print("{}.\n", claims_sentence(result.claims));
     say_results(arguments.json, options.out, result.rows);
+    if (!arguments.json && !options.person.empty()) fmt::print("{}", plain_table(options.person[0]));
     if (!result.complete)
         spdlog::error("interrupted; the {} trials that had ended are kept: go on with --resume",
                       result.rows.size());
