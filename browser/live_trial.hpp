@@ -25,6 +25,7 @@ class SeenDisplay final : public Display {
     void turn_page(SessionTime /*now*/, const Page& /*page*/) override {}
     void beep(SessionTime /*now*/) override { ++beeps_; }
     bool take_go_on() override { return false; }
+    std::optional<GivenAnswer> take_answer() override { return std::nullopt; }
     bool take_stop() override { return false; }
 
     const Scene& newest() const { return newest_; }

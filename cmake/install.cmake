@@ -42,7 +42,7 @@ install(FILES ${CMAKE_BINARY_DIR}/thimble-config.cmake ${CMAKE_BINARY_DIR}/thimb
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/share/thimble)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/deploy/sessions ${CMAKE_BINARY_DIR}/share/thimble/sessions SYMBOLIC)
 # Session files, scenes and networks to begin with.
-install(DIRECTORY deploy/sessions deploy/scenes deploy/profiles DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble
+install(DIRECTORY deploy/pages deploy/sessions deploy/scenes deploy/profiles DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble
     COMPONENT programs)
 # The page for a browser (thimble play --browser), where deploy/browser has built it.
 install(FILES build/browser/thimble.html DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble COMPONENT programs OPTIONAL)

@@ -147,7 +147,7 @@ void visit_fields(auto& v, Is<Order> auto& m) {
     v(m.value, kSpan_s);
     v(m.network);
     v(m.trial);
-    v(m.kind, OrderKind::kNetwork);
+    v(m.kind, OrderKind::kAnswer);
     v(m.modality, Modality::kVF);
 }
 
@@ -155,7 +155,7 @@ void visit_fields(auto& v, Is<Page> auto& m) {
     v(m.remaining_s, kSpan_s);
     v(m.trial);
     v(m.trials);
-    v(m.kind, PageKind::kWait);
+    v(m.kind, PageKind::kQuestion);
 }
 
 void visit_fields(auto& v, Is<ReplayState> auto& m) {

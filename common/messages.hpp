@@ -62,10 +62,21 @@ enum class OrderKind : std::uint8_t {
     kSeek,     // of a replay: value, s
     kSpeed,    // of a replay: value, 1 as recorded
     kNetwork,  // network: the profile whose both ways hold from now on
+    kAnswer,   // of the subject's screen: trial, which question; value, the answer
 };
 // The text for the subject between trials.
-enum class PageKind : std::uint8_t { kNone, kWelcome, kPractice, kReady, kBreak, kPaused, kDone, kWait };
-inline constexpr std::size_t kPageKinds = static_cast<std::size_t>(PageKind::kWait) + 1;
+enum class PageKind : std::uint8_t {
+    kNone,
+    kWelcome,
+    kPractice,
+    kReady,
+    kBreak,
+    kPaused,
+    kDone,
+    kWait,
+    kQuestion
+};
+inline constexpr std::size_t kPageKinds = static_cast<std::size_t>(PageKind::kQuestion) + 1;
 // A trial follows when the experimenter says so, or the subject, if the protocol allows it.
 constexpr bool waits_to_go_on(PageKind kind) {
     return kind == PageKind::kWelcome || kind == PageKind::kPractice || kind == PageKind::kReady;
@@ -235,7 +246,7 @@ struct Order {
 // session -> visual_node, on its control channel.
 struct Page {
     double remaining_s = 0;    // of a break; 0: until a key is pressed
-    std::uint32_t trial = 0;   // the coming one
+    std::uint32_t trial = 0;   // the coming one; of kQuestion: which question of the page set, from 1
     std::uint32_t trials = 0;  // in all
     PageKind kind = PageKind::kNone;
     bool operator==(const Page&) const = default;

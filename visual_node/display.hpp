@@ -48,6 +48,12 @@ struct Scene {
     std::optional<CutAway> cut_away{};
 };
 
+// Of the subject, to question number `question` of the page set.
+struct GivenAnswer {
+    std::uint32_t question = 0;
+    double value = 0;
+};
+
 struct ShownScene {
     Scene scene;
     SessionTime shown_at{};  // when light left the screen
@@ -69,6 +75,8 @@ class Display : boost::noncopyable {
     virtual void beep(SessionTime now) = 0;
     // Whether the subject has asked to go on since the last call.
     virtual bool take_go_on() = 0;
+    // The subject's answer to a question, given since the last call.
+    virtual std::optional<GivenAnswer> take_answer() = 0;
     // Whether a person at the screen has pressed stop since the last call.
     virtual bool take_stop() = 0;
 };

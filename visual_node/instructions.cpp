@@ -10,14 +10,15 @@ namespace thimble {
 namespace {
 
 // By PageKind; a page without a name is not shown.
-constexpr std::array<const char*, kPageKinds> kPageNames{"",      "welcome", "practice", "ready",
-                                                         "break", "paused",  "done",     "wait"};
+constexpr std::array<const char*, kPageKinds> kPageNames{"",       "welcome", "practice", "ready",   "break",
+                                                         "paused", "done",    "wait",     "question"};
 
 long whole_seconds(const Page& page) { return static_cast<long>(std::ceil(std::max(0.0, page.remaining_s))); }
 
 std::vector<std::string_view> placeholders_of(PageKind kind) {
     if (kind == PageKind::kDone) return {"{trials}"};
     if (kind == PageKind::kBreak) return {"{trial}", "{trials}", "{break_s}", "{break_time}"};
+    if (kind == PageKind::kQuestion) return {};
     return {"{trial}", "{trials}"};
 }
 
@@ -57,17 +58,41 @@ void check(const ConfigTable& table, const std::string& key, std::string_view wo
         const Piece piece = take_piece(words);
         if (piece.text.empty()) table.fail(key, "has a brace that stands alone: write {{ or }} for one");
         if (!piece.placeholder || std::find(known.begin(), known.end(), piece.text) != known.end()) continue;
-        table.fail(key, "holds the placeholder {}; this page knows {}", piece.text, fmt::join(known, ", "));
+        table.fail(key, "holds the placeholder {}; this page knows {}", piece.text,
+                   known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")));
     }
 }
 
 std::optional<std::string> read_words(const ConfigTable& table, const std::string& key, PageKind kind,
                                       std::string_view help) {
-    std::string words;
-    table.read(key, words, help);
-    if (!table.has(key)) return std::nullopt;
-    check(table, key, words, kind);
+    auto words = read_page_text(table, key, help);
+    if (words) check(table, key, *words, kind);
     return words;
+}
+
+struct Range {
+    char32_t first, last;
+};
+// Hebrew to Arabic Extended, their presentation forms, ancient and African scripts, and the marks and overrides of direction.
+constexpr std::array<Range, 9> kRightToLeft{{{0x0590, 0x08FF},
+                                             {0x200F, 0x200F},
+                                             {0x202B, 0x202B},
+                                             {0x202E, 0x202E},
+                                             {0x2067, 0x2067},
+                                             {0xFB1D, 0xFDFF},
+                                             {0xFE70, 0xFEFE},
+                                             {0x10800, 0x10FFF},
+                                             {0x1E800, 0x1EFFF}}};
+
+// The character at the beginning of valid UTF-8, taken off it.
+char32_t take_character(std::string_view& text) {
+    const auto lead = static_cast<unsigned char>(text[0]);
+    const std::size_t length = lead < 0x80 ? 1 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
+    char32_t character = length == 1 ? lead : lead & (0x7FU >> length);
+    for (std::size_t i = 1; i < std::min(length, text.size()); ++i)
+        character = (character << 6U) | (static_cast<unsigned char>(text[i]) & 0x3FU);
+    text.remove_prefix(std::min(length, text.size()));
+    return character;
 }
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
@@ -89,15 +114,45 @@ std::string Instructions::text() const {
     return all;
 }
 
-Instructions read_instructions(const ConfigTable& table) {
-    Instructions instructions;
+char32_t right_to_left(std::string_view text) {
+    while (!text.empty()) {
+        const char32_t character = take_character(text);
+        const bool found = std::any_of(kRightToLeft.begin(), kRightToLeft.end(), [&](const Range& range) {
+            return character >= range.first && character <= range.last;
+        });
+        if (found) return character;
+    }
+    return 0;
+}
+
+void refuse_right_to_left(const ConfigTable& table, const std::string& key, std::string_view text) {
+    const char32_t character = right_to_left(text);
+    if (character == 0) return;
+    table.fail(key,
+               "holds U+{:04X}, of a script that is written from right to left: the window draws each line "
+               "from left to right, so a subject could not read it. Use another language",
+               static_cast<unsigned>(character));
+}
+
+std::optional<std::string> read_page_text(const ConfigTable& table, const std::string& key,
+                                          std::string_view help) {
+    std::string words;
+    table.read(key, words, help);
+    if (!table.has(key)) return std::nullopt;
+    refuse_right_to_left(table, key, words);
+    return words;
+}
+
+Instructions read_instructions(const ConfigTable& table, Instructions instructions) {
     for (std::size_t i = 1; i < kPageKinds; ++i) {
         const std::string name = kPageNames[i];
         const auto kind = static_cast<PageKind>(i);
         PageWords& words = instructions.pages[i];
-        words.title = read_words(table, name + "_title", kind, "In place of the page's title.");
-        words.body =
+        auto title = read_words(table, name + "_title", kind, "In place of the page's title.");
+        auto body =
             read_words(table, name, kind, "In place of the page's text, which may have several lines.");
+        if (title) words.title = std::move(title);
+        if (body) words.body = std::move(body);
     }
     return instructions;
 }

@@ -25,8 +25,15 @@ struct Instructions {
     std::string text() const;
 };
 
-// Throws Error (usage) on a placeholder that the page does not know, or a brace that stands alone.
-Instructions read_instructions(const ConfigTable& table);
+// In place of those `given`. Throws Error (usage) on a placeholder that the page does not know, or a brace that stands alone.
+Instructions read_instructions(const ConfigTable& table, Instructions given = {});
+
+// A text that a subject reads; nothing if the key is absent. Throws Error (usage) if it is written from right to left.
+std::optional<std::string> read_page_text(const ConfigTable& table, const std::string& key,
+                                          std::string_view help);
+void refuse_right_to_left(const ConfigTable& table, const std::string& key, std::string_view text);
+// The first character (Unicode) of a script that is written from right to left, or that turns the direction; 0: none.
+char32_t right_to_left(std::string_view text);
 
 // The accepted text with the page's numbers in it.
 std::string fill_in(std::string_view words, const Page& page);

@@ -6,7 +6,7 @@
 #include "common/error.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/node_report.hpp"
-#include "visual_node/instructions.hpp"
+#include "visual_node/page_set.hpp"
 #include "visual_node/recording_display.hpp"
 #include "visual_node/visual_process.hpp"
 #ifdef THIMBLE_GUI
@@ -46,9 +46,9 @@ class RecordingVisual final : public NodeInstance {
 
 #ifdef THIMBLE_GUI
 
-std::unique_ptr<NodeInstance> build_window(VisualSettings settings, Instructions instructions,
-                                           const Choices& choices, Sockets& sockets, std::uint64_t instance) {
-    check_drawable(instructions.text());
+std::unique_ptr<NodeInstance> build_window(VisualSettings settings, PageSet pages, const Choices& choices,
+                                           Sockets& sockets, std::uint64_t instance) {
+    check_drawable(pages.text());
     const bool player = choices.view == "player";
     // The screen has its own rate; a scene that waits for a second clock would only be older.
     if (!settings.refresh_given) settings.refresh_Hz = 1000;
@@ -58,14 +58,13 @@ std::unique_ptr<NodeInstance> build_window(VisualSettings settings, Instructions
     std::unique_ptr<Overlay> overlay;
     // Its sockets are its own: the node's wake the node's thread.
     if (player) overlay = std::make_unique<PlayerOverlay>(instance, sockets.settings());
-    return open_visual_window(settings,
-                              {player, choices.screenshot, std::move(overlay), std::move(instructions)},
+    return open_visual_window(settings, {player, choices.screenshot, std::move(overlay), std::move(pages)},
                               sockets, instance);
 }
 
 #else
 
-std::unique_ptr<NodeInstance> build_window(const VisualSettings&, Instructions, const Choices&, Sockets&,
+std::unique_ptr<NodeInstance> build_window(const VisualSettings&, PageSet, const Choices&, Sockets&,
                                            std::uint64_t) {
     throw Error(ExitCode::kUsage,
                 "this build has no windows (THIMBLE_GUI is off): use [visual] display = \"recording\", "
@@ -77,9 +76,9 @@ std::unique_ptr<NodeInstance> build_window(const VisualSettings&, Instructions, 
 std::unique_ptr<NodeInstance> build(const Choices& choices, const ConfigFile& file, Sockets& sockets,
                                     std::uint64_t instance) {
     const VisualSettings settings = read_visual_settings(file);
-    Instructions instructions = read_instructions(file.table("instructions"));
+    PageSet pages = read_pages(file);
     if (settings.window || choices.window || choices.view != "subject") {
-        return build_window(settings, std::move(instructions), choices, sockets, instance);
+        return build_window(settings, std::move(pages), choices, sockets, instance);
     }
     return std::make_unique<RecordingVisual>(settings, sockets, instance);
 }
@@ -116,7 +115,7 @@ int main(int argc, char** argv) {
     };
     program.read = [](const ConfigFile& file) {
         read_visual_settings(file);
-        read_instructions(file.table("instructions"));
+        read_pages(file);
     };
     program.build = [&choices](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         return build(choices, file, sockets, instance);

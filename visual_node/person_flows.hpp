@@ -71,13 +71,13 @@ class HandFlow {
     bool said_any_ = false;  // in this trial
 };
 
-// A subject's request to go on, on its way to the session. UDP loses messages, so the node repeats it until the session turns the page.
+// A subject's request to go on, or answer to a question, on its way to the session. UDP loses messages, so the node repeats it until the session turns the page.
 // It holds for the page that the subject has read, and for no other.
 class GoOnRequest {
   public:
     static constexpr Duration kLook = std::chrono::milliseconds{20};    // for a key, while a page waits
     static constexpr Duration kRepeat = std::chrono::milliseconds{50};  // as a view's orders
-    static constexpr Duration kPatience = std::chrono::seconds{2};      // then the session will not
+    static constexpr Duration kPatience = std::chrono::seconds{2};      // then the session will not go on
 
     // `enabled`: the protocol lets the subject go on.
     explicit GoOnRequest(bool enabled) : enabled_(enabled) {}
@@ -88,14 +88,19 @@ class GoOnRequest {
         kind_ = page.kind;
         trial_ = page.trial;
         wanted_ = false;
-        next_look_ = enabled_ && waits_to_go_on(kind_) ? now : kNever;
+        next_look_ = asks() || (enabled_ && waits_to_go_on(kind_)) ? now : kNever;
     }
 
     void press(SessionTime now) {
-        if (next_look_ == kNever || wanted_) return;
-        wanted_ = true;
-        next_saying_ = now;
-        until_ = now + kPatience;
+        if (next_look_ == kNever || wanted_ || asks()) return;
+        want(now, now + kPatience);
+    }
+
+    // To the question that is shown; the last one counts until the session turns the page. To another one: nothing.
+    void answer(SessionTime now, std::uint32_t question, double value) {
+        if (!asks() || question != trial_) return;
+        value_ = value;
+        want(now, kNever);
     }
 
     // Whether to say it now.
@@ -108,12 +113,30 @@ class GoOnRequest {
         return true;
     }
 
+    Order order() const {
+        Order order;
+        order.kind = asks() ? OrderKind::kAnswer : OrderKind::kResume;
+        if (asks()) {
+            order.trial = trial_;
+            order.value = value_;
+        }
+        return order;
+    }
+
     // When to look for a key and call take_due() again; kNever while no page waits.
     SessionTime next() const { return next_look_; }
 
   private:
+    bool asks() const { return kind_ == PageKind::kQuestion; }
+    void want(SessionTime now, SessionTime until) {
+        wanted_ = true;
+        next_saying_ = now;
+        until_ = until;
+    }
+
     bool enabled_;
     bool wanted_ = false;
+    double value_ = 0;  // of the answer
     PageKind kind_ = PageKind::kNone;
     std::uint32_t trial_ = 0;
     SessionTime next_look_ = kNever, next_saying_{}, until_{};

@@ -41,6 +41,7 @@ class RecordingDisplay final : public Display {
     void turn_page(SessionTime /*now*/, const Page& /*page*/) override {}
     void beep(SessionTime /*now*/) override {}
     bool take_go_on() override { return false; }
+    std::optional<GivenAnswer> take_answer() override { return std::nullopt; }
     bool take_stop() override { return false; }
 
     std::uint64_t shown_total() const { return shown_; }

@@ -58,10 +58,8 @@ bool VisualProcess::read_page(SessionTime now, const Page& page) {
 // A key of the trial's time is taken as well, and forgotten.
 void VisualProcess::ask_to_go_on(SessionTime now) {
     if (display_->take_go_on()) go_on_.press(now);
-    if (!go_on_.take_due(now)) return;
-    Order order;
-    order.kind = OrderKind::kResume;
-    tell_session(now, order);
+    if (const auto given = display_->take_answer()) go_on_.answer(now, given->question, given->value);
+    if (go_on_.take_due(now)) tell_session(now, go_on_.order());
 }
 
 void VisualProcess::take_force(SessionTime now) {

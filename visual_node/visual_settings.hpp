@@ -12,6 +12,8 @@
 
 namespace thimble {
 
+enum class BeepShown : std::uint8_t { kWithoutSound, kAlways, kHidden };
+
 struct VisualSettings {
     double refresh_Hz = 60;
     Duration pipeline = std::chrono::milliseconds{25};
@@ -27,8 +29,10 @@ struct VisualSettings {
     bool fingertip = false;
     bool cut_away = false;  // scenes for the cut-away view: never of a subject
     bool sound = true;
+    BeepShown beep_shown = BeepShown::kWithoutSound;
     bool fullscreen = false;
-    bool pointer = false;          // [handle] device = "pointer": the mouse in the window is the hand
+    bool pointer = false;   // [handle] device = "pointer" or "keyboard": the hand is read in the window
+    bool keyboard = false;  // and it is the arrow keys, not the mouse
     bool subject_goes_on = false;  // [protocol] next_by
     bool vibration = true;
     std::string vibration_device{};
@@ -66,6 +70,8 @@ inline VisualSettings read_visual_settings(const ConfigTable& table) {
         "fingertip", node.fingertip,
         "CF and CCF as the picture of a fingertip, for a person without devices (always in --view player).");
     table.read("sound", node.sound, "A window beeps.");
+    table.read("beep_shown", node.beep_shown, {"without_sound", "always", "never"},
+               "When a window shows the beep as a bright frame as well.");
     table.read("fullscreen", node.fullscreen, "A window fills the screen; or --fullscreen.");
     table.read("vibration", node.vibration,
                "CF and CCF in --view player: a gamepad's motors, where it has some (docs/play.md).");
@@ -79,7 +85,8 @@ inline VisualSettings read_visual_settings(const ConfigFile& file) {
     VisualSettings node = read_visual_settings(file.table("visual"));
     std::string handle;
     file.table("handle").read("device", handle, "");
-    node.pointer = handle == "pointer";
+    node.keyboard = handle == "keyboard";
+    node.pointer = node.keyboard || handle == "pointer";
     node.subject_goes_on = read_subject_goes_on(file.table("protocol"));
     return node;
 }

@@ -69,7 +69,8 @@ Duration user_limit(const HandleSettings& settings) {
 
 HandleSettings read_handle_settings(const ConfigTable& table) {
     HandleSettings settings;
-    table.read("device", settings.kind, {"simulated", "pointer", "hid", "force-dimension", "falcon"},
+    table.read("device", settings.kind,
+               {"simulated", "pointer", "keyboard", "hid", "force-dimension", "falcon"},
                "Who moves the handle, or which real one it is (docs/handles.md); in virtual time the first.");
     table.read("encoder_resolution_m", settings.encoder_resolution_m, 1e-9, 1e-3, "Of the hand's position.");
     table.read("force_limit_N", settings.force_limit_N, 0.1, 100, "Of the device, both ways.");
@@ -79,11 +80,11 @@ HandleSettings read_handle_settings(const ConfigTable& table) {
     table.read("friction_travel_m", settings.mechanics.friction_travel_m, 1e-6, 1e-3, "Its presliding.");
     // Within what the lightest handle bears in steps of 0.1 ms.
     table.read("coupling_stiffness_N_per_m", settings.coupling.stiffness_N_per_m, 1, 10000,
-               "pointer, hid: from the pointer's place to the handle.");
+               "pointer, keyboard, hid: from the pointer's place to the handle.");
     table.read("coupling_damping_Ns_per_m", settings.coupling.damping_Ns_per_m, 0, 100,
-               "pointer, hid: on the handle, also once it is let go.");
+               "pointer, keyboard, hid: on the handle, also once it is let go.");
     table.read("coupling_force_limit_N", settings.coupling.force_limit_N, 0.1, 100,
-               "pointer, hid: the most that the hand pulls with; less than force_limit_N.");
+               "pointer, keyboard, hid: the most that the hand pulls with; less than force_limit_N.");
     settings.force_dimension = read_force_dimension(table.table("force_dimension"));
     settings.falcon = read_falcon(table.table("falcon"));
     settings.hid = read_hid_hand_settings(table.table("hid"));

@@ -13,6 +13,7 @@ namespace thimble {
 enum class HandleKind : std::uint8_t {
     kSimulated,       // held by the virtual operator (simulated_handle.hpp)
     kPointer,         // drawn by a person's mouse (pointer_handle.hpp)
+    kKeyboard,        // the same, by a person's arrow keys
     kHid,             // by a person's SpaceMouse, joystick or gamepad (hid/hid_hand.hpp)
     kForceDimension,  // a real one (docs/handles.md)
     kFalcon,          // a real one
@@ -34,7 +35,7 @@ struct HandleSettings {
     double force_limit_N = kHandleFullScale_N;  // [V] clips, both directions
     HandleMechanics mechanics;
     HandleKind kind = HandleKind::kSimulated;
-    CouplingSettings coupling{};  // kPointer, kHid
+    CouplingSettings coupling{};  // kPointer, kKeyboard, kHid
     HidHandSettings hid{};
     ForceDimensionSettings force_dimension{};
     FalconSettings falcon{};

@@ -49,6 +49,7 @@ std::shared_ptr<Handle> open_handle(const HandleSettings& settings, const Operat
                                     const RuntimeSettings& runtime) {
     switch (settings.kind) {
         case HandleKind::kPointer:
+        case HandleKind::kKeyboard:
             return std::make_shared<PointerHandle>(settings);
         case HandleKind::kHid:
             return std::make_shared<OpenedHid>(settings, runtime);

@@ -45,6 +45,7 @@ class ConditionRun : boost::noncopyable {
     void show(const Page& page) { session_.show(page); }
     // Whether the subject has asked to go on from it since the last call.
     bool take_go_on() { return session_.take_go_on(); }
+    std::optional<double> take_answer() { return session_.take_answer(); }
     // Keeps in touch with the nodes between trials, for at most `limit`.
     void idle(Duration limit);
     // A node has ended, or was lost: this condition runs no further trial. After a stop it does, once that was released.

@@ -139,7 +139,7 @@ void SessionProcess::take(SessionTime now, NodePeer& peer, const Message& messag
         if (exchange && clock_hook_) clock_hook_(peer.role(), *exchange);
     } else if (const auto* order = std::get_if<Order>(&message.body)) {
         const std::optional<Refusal> refusal = judge_request(peer, message.header.trial, *order);
-        if (!refusal) page_.go_on();
+        if (!refusal) order->kind == OrderKind::kAnswer ? page_.answer(order->value) : page_.go_on();
         if (refusal) peer.refuse(*refusal);
     } else if (!peer.take(message)) {
         peer.refuse(Refusal::kUnexpectedKind);
@@ -149,8 +149,9 @@ void SessionProcess::take(SessionTime now, NodePeer& peer, const Message& messag
 // `trial`: the newest that the subject's window has seen. A late request is not for the next page. None: it holds.
 std::optional<Refusal> SessionProcess::judge_request(const NodePeer& peer, std::uint32_t trial,
                                                      const Order& order) const {
-    if (peer.role() != Role::kVisual || order.kind != OrderKind::kResume || !settings_.subject_goes_on ||
-        under_way() || !page_.waits())
+    const bool goes_on = order.kind == OrderKind::kResume && settings_.subject_goes_on && page_.waits();
+    const bool answers = order.kind == OrderKind::kAnswer && page_.asks(order.trial);
+    if (peer.role() != Role::kVisual || under_way() || (!goes_on && !answers))
         return Refusal::kUnexpectedKind;
     return trial == std::max(trial_, last_number()) ? std::nullopt : std::optional{Refusal::kWrongTrial};
 }

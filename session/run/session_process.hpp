@@ -52,6 +52,8 @@ class SessionProcess final : public Process {
     void show(const Page& page) { page_.show(page); }
     // Whether the subject has asked to go on from the page that is shown, since the last call.
     bool take_go_on() { return page_.take_go_on(); }
+    // The subject's answer to the question that is shown, likewise.
+    std::optional<double> take_answer() { return page_.take_answer(); }
 
     // The stop bus: everything here ends with it, and nothing begins while it holds (stop_bus.hpp).
     void join_stop_bus(Channel& in, const StopOutlets& out) { stop_.connect(in, out); }

@@ -51,6 +51,12 @@ ProtocolSettings read_protocol_settings(const ConfigTable& table) {
     table.read("repeats_limit", p.repeats_limit, 0, 100,
                "How often a trial that timed out or lost a node is repeated; by command without limit.");
     table.read("repeat_timeouts", p.repeat_timeouts, "false: a timeout is a result and stays.");
+    table.read("attention_every", p.attention_every, 0, 1000,
+               "After so many trials comes an attention trial, which the analysis leaves out; 0: none.");
+    table.read("attention_limit_s", p.attention_limit, 1, 3600,
+               "An attention trial is passed if the beep comes within this time.");
+    table.read("blinded", p.blinded,
+               "The experimenter's terminal names neither modality nor delay, and no result of a trial.");
     p.subject_goes_on = read_subject_goes_on(table);
     return p;
 }

@@ -27,6 +27,9 @@ struct ProtocolSettings {
     RepeatWhen repeat = RepeatWhen::kEndOfBlock;
     std::uint32_t repeats_limit = 2;
     bool repeat_timeouts = true;
+    std::uint32_t attention_every = 0;                    // trials between two attention trials; 0: none
+    Duration attention_limit = std::chrono::seconds{30};  // an attentive subject has the beep by then
+    bool blinded = false;          // the experimenter does not read modality, delay and results
     bool subject_goes_on = false;  // next_by = "subject": a person may begin the next trial
 };
 

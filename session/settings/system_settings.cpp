@@ -175,7 +175,7 @@ SystemSettings read_tables(const ConfigFile& file) {
     s.protocol = read_protocol_settings(file.table("protocol"));
     if (!file.root().has("protocol")) s.protocol.reset();
     s.visual = read_visual_settings(file);
-    s.instructions = read_instructions(file.table("instructions"));
+    s.pages = read_pages(file);
     s.netem = read_netem_settings(file);
     s.session = read_session(file.table("trial"));
     s.session.contact_hold = s.slave.contact_hold;

@@ -22,7 +22,7 @@
 #include "session/settings/protocol_settings.hpp"
 #include "session/settings/session_settings.hpp"
 #include "slave_sim/slave_settings.hpp"
-#include "visual_node/instructions.hpp"
+#include "visual_node/page_set.hpp"
 #include "visual_node/visual_settings.hpp"
 
 namespace thimble {
@@ -61,7 +61,7 @@ struct SystemSettings {
     SlaveSettings slave;
     CutaneousSettings cutaneous;
     VisualSettings visual;
-    Instructions instructions;
+    PageSet pages;
     NetemSettings netem;
     SessionSettings session;
     SessionPlan plan;

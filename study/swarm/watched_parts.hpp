@@ -92,6 +92,7 @@ class WatchedDisplay final : public Display {
     void turn_page(SessionTime now, const Page& page) override { inner_.turn_page(now, page); }
     void beep(SessionTime now) override { inner_.beep(now); }
     bool take_go_on() override { return inner_.take_go_on(); }
+    std::optional<GivenAnswer> take_answer() override { return inner_.take_answer(); }
     bool take_stop() override { return inner_.take_stop(); }
 
   private:

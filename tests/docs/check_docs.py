@@ -10,7 +10,7 @@ import re
 import subprocess
 import sys
 
-KINDS = ('session', 'scene', 'profile')
+KINDS = ('session', 'scene', 'pages', 'profile')
 # <!-- keys KIND TABLE --> and maybe names of keys, which then are all that the table has. "-" is the table of keys in no table.
 BLOCK = re.compile(r'^(<!-- keys (\S+) (\S+)((?: \w+)*) -->\n)(.*?)(<!-- end of keys -->)$', re.M | re.S)
 

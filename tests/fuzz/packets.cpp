@@ -100,10 +100,10 @@ bool plausible_rest(const Monitor& m) {
            m.state <= NodeState::kFailed && m.reason <= kLastEndReason && m.network.well_formed();
 }
 bool plausible_rest(const Order& m) {
-    return m.kind <= OrderKind::kNetwork && m.modality <= Modality::kVF && m.network.well_formed();
+    return m.kind <= OrderKind::kAnswer && m.modality <= Modality::kVF && m.network.well_formed();
 }
 bool plausible_rest(const ReplayState& m) { return m.changes <= ReplayState::kMostChanges; }
-bool plausible_rest(const Page& m) { return m.kind <= PageKind::kWait; }
+bool plausible_rest(const Page& m) { return m.kind <= PageKind::kQuestion; }
 bool plausible_rest(const DeviceFault& m) { return m.words().size() < m.text.size(); }
 bool plausible_rest(const NeedleWave& m) { return m.waves.count <= WaveBurst::kMost; }
 bool plausible_rest(const ForceWave& m) {

@@ -142,6 +142,109 @@ TEST_F(WindowLoopTest, ReportsBeepsAlsoWithoutSound) {
     EXPECT_GE(shown.loop.beeps()[0].begun, asked);
 }
 
+TEST_F(WindowLoopTest, ABeepIsSeenWhereItIsToBe) {
+    GlWindow window(Shown::titled("Thimble"));
+    WindowDisplay display(Duration::zero());
+    WindowLoop::Parts parts{&window, &display};
+    parts.beep_shown = true;
+    WindowLoop loop(parts, Duration::zero(), true);
+    const Image before = loop.picture();
+    display.beep(wall_now());
+    const Image seen = loop.picture();
+    int changed = 0;
+    for (int y = 0; y < window.height(); ++y) changed += seen.at(8, y) != before.at(8, y) ? 1 : 0;
+    EXPECT_GT(changed, window.height() / 2);
+    wall_sleep(milliseconds{700});
+    EXPECT_EQ(loop.picture().rgb, before.rgb) << "and then it is gone";
+}
+
+// A page set with one question, in a window that shows it.
+struct Asking {
+    explicit Asking(const std::string& kind) {
+        const ConfigFile file = ConfigFile::parse(
+            "[[questionnaire]]\nname = 'q'\n[[questionnaire.question]]\nid = 'q'\ntext = 'How?'\n" + kind,
+            "pages");
+        file.read_all([&] { pages = read_page_set(file); });
+        parts.pages = &pages;
+        parts.hand = &hand;
+        loop.emplace(parts, Duration::zero(), true);
+        Page page;
+        page.kind = PageKind::kQuestion;
+        page.trial = 1;
+        display.turn_page({}, page);
+    }
+    PageSet pages;
+    PointerHand hand{1e-4};
+    GlWindow window{Shown::titled("question under test")};
+    WindowDisplay display{Duration::zero()};
+    WindowLoop::Parts parts{&window, &display};
+    std::optional<WindowLoop> loop;
+};
+
+TEST_F(WindowLoopTest, AQuestionIsAnsweredByKeys) {
+    Asking asking("kind = 'likert'\n");
+    WindowLoop& loop = *asking.loop;
+    loop.turn();
+    ASSERT_TRUE(person(loop, {"search", "--name", "question under test", "windowfocus"}));
+    ASSERT_TRUE(person(loop, {"key", "Return"}));
+    loop.turn();
+    EXPECT_FALSE(asking.display.take_answer()) << "nothing is chosen";
+    ASSERT_TRUE(person(loop, {"key", "5", "Right", "Return"}));
+    for (int i = 0; i < 20; ++i) loop.turn();
+    const auto given = asking.display.take_answer();
+    ASSERT_TRUE(given);
+    EXPECT_EQ(given->question, 1U);
+    EXPECT_EQ(given->value, 6);
+}
+
+TEST_F(WindowLoopTest, AQuestionIsAnsweredByTheMouse) {
+    Asking asking("step = 5\n");
+    WindowLoop& loop = *asking.loop;
+    for (int i = 0; i < 3; ++i) loop.turn();
+    std::optional<GivenAnswer> given;
+    // Somewhere in the middle of the window is the scale, and below it OK.
+    for (int y = 200; y < 420 && !given; y += 12) {
+        for (const int x : {500, 120}) {
+            person(loop, {"search", "--name", "question under test", "mousemove", "--window", "%1",
+                          std::to_string(x), std::to_string(y), "click", "1"});
+            for (int i = 0; i < 4; ++i) loop.turn();
+            given = asking.display.take_answer();
+            if (given) break;
+        }
+    }
+    ASSERT_TRUE(given);
+    EXPECT_GT(given->value, 50);
+    EXPECT_FALSE(asking.hand.hand().engaged) << "a click at an answer takes no needle";
+}
+
+TEST_F(WindowLoopTest, ArrowKeysPushAndTheMouseDoesNot) {
+    GlWindow window(Shown::titled("keys under test"));
+    WindowDisplay display(Duration::zero());
+    PointerHand hand(1e-4);
+    WindowLoop::Parts parts{&window, &display, &hand};
+    parts.keyboard = true;
+    WindowLoop loop(parts, Duration::zero(), true);
+    ASSERT_TRUE(person(loop, {"search", "--name", "keys under test", "windowfocus", "mousemove", "--window",
+                              "%1", "400", "300", "click", "1"}));
+    for (int i = 0; i < 10; ++i) loop.turn();
+    EXPECT_FALSE(hand.hand().engaged);
+    ASSERT_TRUE(person(loop, {"keydown", "Down"}));
+    const auto moves = [&](bool inwards) {
+        const double from_m = hand.hand().position_hand_m;
+        for (int i = 0; i < 30; ++i) loop.turn();
+        const double way_m = hand.hand().position_hand_m - from_m;
+        return inwards ? way_m > 1e-4 : way_m == 0;
+    };
+    EXPECT_TRUE(moves(true));
+    EXPECT_TRUE(hand.hand().engaged);
+    ASSERT_TRUE(person(loop, {"keyup", "Down"}));
+    EXPECT_TRUE(moves(false));
+    EXPECT_TRUE(hand.hand().engaged) << "it holds the needle where it is";
+    ASSERT_TRUE(person(loop, {"key", "Escape"}));
+    for (int i = 0; i < 10; ++i) loop.turn();
+    EXPECT_FALSE(hand.hand().engaged);
+}
+
 TEST_F(WindowLoopTest, ClosedWindowEndsTheLoopAndNotTheNode) {
     CountingOverlay overlay;
     Shown shown("Thimble", nullptr, &overlay);

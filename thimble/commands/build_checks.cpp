@@ -38,7 +38,7 @@ void check_build(const SystemSettings& settings) {
     const bool board = settings.cutaneous.device == FingertipDevice::kBoard;
     check_driver(settings.launch, Role::kCutaneous, board ? "[cutaneous] device = \"board\"" : nullptr);
 #ifdef THIMBLE_GUI
-    const std::string words = settings.instructions.text();
+    const std::string words = settings.pages.text();
     if (words.find_first_not_of('\n') != std::string::npos) check_drawable(words);
 #endif
 }

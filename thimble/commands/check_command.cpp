@@ -66,7 +66,7 @@ int check_config(const std::string& config) {
     const SystemSettings settings = load_system_settings(config);
     check_build(settings);
     const bool paper = is_paper_session(settings.file);  // reads the file: if that fails, no command refuses
-    for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
+    for (const std::string& warning : named_modalities(settings.pages.instructions)) spdlog::warn(warning);
     if (const std::string warning = energy_warning(settings); !warning.empty()) spdlog::warn(warning);
     fmt::print("{}: good\n{}\n", config, conditions_text(settings.plan));
     say("run", [&] { return run_text(settings); });

@@ -19,6 +19,7 @@ struct ConfigArguments {
 int print_keys(const ConfigArguments& a) {
     const auto keys = a.kind == "session" ? session_file_keys()
                       : a.kind == "scene" ? scene_file_keys()
+                      : a.kind == "pages" ? page_file_keys()
                                           : profile_file_keys();
     fmt::print("{}", a.json ? keys_as_json(keys) : a.schema ? keys_as_schema(keys) : keys_as_markdown(keys));
     return 0;
@@ -26,8 +27,8 @@ int print_keys(const ConfigArguments& a) {
 
 CLI::App* add_keys(CLI::App& config, ConfigArguments& a, const char* name, const char* what) {
     CLI::App* part = config.add_subcommand(name, what);
-    part->add_option("kind", a.kind, "of which files: session, scene, or profile (of a network)")
-        ->check(CLI::IsMember({"session", "scene", "profile"}))
+    part->add_option("kind", a.kind, "of which files: session, scene, pages (that a subject reads), or profile (of a network)")
+        ->check(CLI::IsMember({"session", "scene", "pages", "profile"}))
         ->capture_default_str();
     return part;
 }
@@ -38,7 +39,7 @@ Subcommand add_config(CLI::App& app) {
     const auto arguments = std::make_shared<ConfigArguments>();
     ConfigArguments& a = *arguments;
     CLI::App* config = app.add_subcommand(
-        "config", "every key of a session, scene or profile file: type, unit, default, range, meaning");
+        "config", "every key of a session, scene, page or profile file: type, unit, default, range, meaning");
     config->require_subcommand(1);
     add_keys(*config, a, "reference", "all keys as a page in Markdown, or as JSON")
         ->add_flag("--json", a.json, "one JSON object by dotted key");

@@ -163,6 +163,8 @@ Keys scene_file_keys() {
     return described_by([](const ConfigFile& file) { read_scene(file, "reference"); });
 }
 
+Keys page_file_keys() { return described_by(read_page_set); }
+
 Keys profile_file_keys() {
     return described_by([](const ConfigFile& file) { read_profile(file, "reference", {}); });
 }

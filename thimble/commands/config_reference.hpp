@@ -12,6 +12,7 @@ namespace thimble {
 // In the order of reading. Tables stand among them, with the type "table" or "tables".
 std::vector<KeyDeclaration> session_file_keys();
 std::vector<KeyDeclaration> scene_file_keys();    // docs/scenes.md
+std::vector<KeyDeclaration> page_file_keys();     // docs/real-subjects.md
 std::vector<KeyDeclaration> profile_file_keys();  // docs/network-profiles.md
 
 // Of the key's physical unit, which its name ends in: "N/m" of "stiffness_N_per_m", empty where there is none.

@@ -25,7 +25,7 @@ namespace {
 void check_screen(const SystemSettings& settings, const std::shared_ptr<NodeStarter>& starter) {
     const bool window = settings.visual.window || settings.plan.kind == SubjectKind::kHuman;
     if (starter && window && starter->machine(Role::kVisual).empty()) check_window(program_folder());
-    for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
+    for (const std::string& warning : named_modalities(settings.pages.instructions)) spdlog::warn(warning);
 }
 
 void add_participant_options(CLI::App& command, ParticipantRun& run) {

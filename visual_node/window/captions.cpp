@@ -158,6 +158,8 @@ PageText page_text(const Page& page) {
             return {"Done", "Thank you. You may let go."};
         case PageKind::kWait:
             return {"One moment", which_of(page)};
+        case PageKind::kQuestion:
+            return {"", "Choose with the mouse, or with the digits and the arrow keys. Then press Enter or click OK."};
     }
     return {};
 }

@@ -33,6 +33,12 @@ std::unique_ptr<Beeper> make_beeper(const VisualSettings& settings) {
     return beeper;
 }
 
+bool shows_beep(const VisualSettings& settings, const Beeper* beeper) {
+    const bool sound = beeper != nullptr && beeper->can_sound();
+    return settings.beep_shown == BeepShown::kAlways ||
+           (settings.beep_shown == BeepShown::kWithoutSound && !sound);
+}
+
 // A subject has devices on the fingers.
 std::optional<Vibration> make_vibration(const VisualSettings& settings, bool player) {
     if (!player || !settings.vibration) return std::nullopt;
@@ -75,7 +81,7 @@ class WindowVisual final : public NodeInstance {
     PointerHand hand_;
     std::unique_ptr<Beeper> beeper_;
     std::unique_ptr<Overlay> overlay_;
-    Instructions instructions_;
+    PageSet pages_;
     std::optional<Vibration> vibration_;
     WindowLoop loop_;
     StalePolicy stale_;
@@ -90,16 +96,18 @@ WindowVisual::WindowVisual(const VisualSettings& settings, VisualWindowOptions o
       hand_(settings.pointer_m_per_count),
       beeper_(make_beeper(settings)),
       overlay_(std::move(options.overlay)),
-      instructions_(std::move(options.instructions)),
+      pages_(std::move(options.pages)),
       vibration_(make_vibration(settings, options.player)),
-      loop_({&window_, &display_, settings.pointer ? &hand_ : nullptr, overlay_.get(), beeper_.get(),
-             &instructions_, settings.subject_goes_on && !options.player, subject_points_,
-             vibration_ ? &*vibration_ : nullptr},
+      loop_({&window_, &display_, settings.pointer ? &hand_ : nullptr, overlay_.get(), beeper_.get(), &pages_,
+             settings.subject_goes_on && !options.player, subject_points_,
+             vibration_ ? &*vibration_ : nullptr, shows_beep(settings, beeper_.get()), settings.keyboard},
             settings.smoothing, one_clock(sockets.settings())),
       stale_(settings.stale),
       process_(instance, settings, sockets, display_, settings.pointer ? &hand_ : nullptr) {
     if (!options.screenshot.empty()) loop_.set_screenshot(options.screenshot);
-    if (settings.pointer && beeper_ != nullptr) loop_.set_notice(beeper_->notice());
+    if (!settings.pointer || beeper_ == nullptr || beeper_->can_sound()) return;
+    const bool shown = shows_beep(settings, beeper_.get());
+    loop_.set_notice(beeper_->notice() + (shown ? ", and a bright frame shows it" : ""));
 }
 
 void WindowVisual::describe(nlohmann::ordered_json& report) const {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/runtime/node_program.hpp"
-#include "visual_node/instructions.hpp"
+#include "visual_node/page_set.hpp"
 #include "visual_node/visual_settings.hpp"
 #include "visual_node/window/overlay.hpp"
 
@@ -16,7 +16,7 @@ struct VisualWindowOptions {
     std::string screenshot{};  // file; empty: none
     // What stands over the scene; its channels are its own, since the node's belong to another thread. Null: nothing.
     std::unique_ptr<Overlay> overlay{};
-    Instructions instructions{};
+    PageSet pages{};
 };
 
 // Opens the window and the sound. Throws Error (usage) where there is no screen.

@@ -26,6 +26,7 @@ class WindowDisplay final : public Display {
           scenes_(kScenes),
           pages_(kRareThings),
           beeps_(kRareThings),
+          answers_(kRareThings),
           shown_(kShownScenes) {}
 
     // The node's thread.
@@ -51,6 +52,7 @@ class WindowDisplay final : public Display {
     // A full ring has sixty-four of them waiting for a window that hangs: one more says nothing new.
     void beep(SessionTime now) override { static_cast<void>(beeps_.push(now)); }
     bool take_go_on() override { return go_on_.exchange(false); }
+    std::optional<GivenAnswer> take_answer() override { return take_from(answers_); }
     bool take_stop() override { return stop_.exchange(false); }
 
     // The window's thread. The next scene, page or beep (when it was asked for) that waits, oldest first.
@@ -65,6 +67,8 @@ class WindowDisplay final : public Display {
 
     // The subject asks to go on.
     void ask_to_go_on() { go_on_ = true; }
+    // The subject has answered. Full: the node has not looked for sixty-four of them; the subject may press again.
+    void answer(const GivenAnswer& given) { static_cast<void>(answers_.push(given)); }
     // A person at the window asks everything to stop.
     void ask_to_stop() { stop_ = true; }
     // The window is closed.
@@ -88,6 +92,7 @@ class WindowDisplay final : public Display {
     boost::lockfree::spsc_queue<Page> pages_;
     std::optional<Page> newest_page_;  // the node's thread: did not fit
     boost::lockfree::spsc_queue<SessionTime> beeps_;
+    boost::lockfree::spsc_queue<GivenAnswer> answers_;
     boost::lockfree::spsc_queue<ShownScene> shown_;
     std::atomic<bool> open_{true};
     std::atomic<bool> go_on_{false}, stop_{false};

@@ -11,6 +11,7 @@
 #include "common/shared_values.hpp"
 #include "visual_node/window/captions.hpp"
 #include "visual_node/window/image.hpp"
+#include "visual_node/window/question_panel.hpp"
 // clang-format off
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -34,11 +35,12 @@ const char* to_string(WindowEnd end) {
 
 WindowLoop::WindowLoop(const Parts& parts, Duration smoothing, bool one_clock)
     : parts_(parts),
-      gui_(*parts.window, parts.instructions == nullptr ? std::string() : parts.instructions->text()),
+      gui_(*parts.window, parts.pages == nullptr ? std::string() : parts.pages->text()),
       playout_(smoothing),
       times_(one_clock),
       pace_(parts.window->refresh_Hz()) {
     beeps_.reserve(64);
+    if (parts.pages != nullptr) questions_ = parts.pages->shown();
 }
 
 WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
@@ -78,7 +80,10 @@ void WindowLoop::take_events(SessionTime now, std::span<const WindowEvent> event
     for (const WindowEvent& event : events) {
         if (!gui_.wants(event)) handle(event);
     }
-    if (parts_.hand != nullptr) read_gamepad(now);
+    if (parts_.hand != nullptr) {
+        read_gamepad(now);
+        push_by_arrows(now);
+    }
     take_mail(now);
     if (parts_.overlay != nullptr) parts_.overlay->tick(now);
 }
@@ -93,26 +98,93 @@ void WindowLoop::wait_until(SessionTime begin, const std::function<bool()>& stop
 void WindowLoop::take_mail(SessionTime now) {
     if (parts_.display == nullptr) return;
     while (const auto scene = parts_.display->take_scene()) playout_.add(*scene);
-    while (const auto page = parts_.display->take_page()) page_ = *page;
+    while (const auto page = parts_.display->take_page()) turn_to(*page);
     while (const auto asked = parts_.display->take_beep()) {
         if (parts_.beeper != nullptr) parts_.beeper->beep();
+        if (parts_.beep_shown) beep_seen_until_ = now + kBeepSeen;
         beeps_.push_back({*asked, std::max(now, *asked)});
     }
 }
 
+// A subject who answers needs the pointer, and holds no needle.
+void WindowLoop::turn_to(const Page& page) {
+    page_ = page;
+    const bool asks = page.kind == PageKind::kQuestion && page.trial >= 1 && page.trial <= questions_.size();
+    form_.show(page.trial, asks ? &questions_[page.trial - 1].question : nullptr);
+    if (!asks) return;
+    parts_.window->grab_pointer(false);
+    if (parts_.hand != nullptr) parts_.hand->let_go();
+}
+
 void WindowLoop::handle(const WindowEvent& event) {
+    if (event.kind == WindowEvent::Kind::kKey && event.pressed && answer_key(event.key)) return;
     if (event.kind == WindowEvent::Kind::kKey && event.pressed && !event.repeated) handle_key(event);
-    if (event.kind == WindowEvent::Kind::kButton && event.pressed) ask_to_go_on();
+    if (event.kind == WindowEvent::Kind::kKey && parts_.keyboard) hold_arrow(event);
+    if (event.kind == WindowEvent::Kind::kButton && event.pressed) return handle_button();
     if (parts_.hand == nullptr) return;
-    if (event.kind == WindowEvent::Kind::kButton && event.pressed) {
-        parts_.window->grab_pointer(true);
-        parts_.hand->take_hold();
-    } else if (event.kind == WindowEvent::Kind::kMotion && parts_.window->pointer_grabbed()) {
+    if (event.kind == WindowEvent::Kind::kMotion && parts_.window->pointer_grabbed()) {
         parts_.hand->move(event.y);
     } else if (event.kind == WindowEvent::Kind::kFocus && !event.pressed) {
+        arrow_ = 0;
         parts_.window->grab_pointer(false);
         parts_.hand->let_go();
     }
+}
+
+void WindowLoop::handle_button() {
+    if (form_.question() != nullptr) return;  // beside the answers
+    ask_to_go_on();
+    if (parts_.hand == nullptr || parts_.keyboard) return;
+    parts_.window->grab_pointer(true);
+    parts_.hand->take_hold();
+}
+
+// Whether the key was meant for the question that is shown.
+bool WindowLoop::answer_key(int key) {
+    if (form_.question() == nullptr) return false;
+    const bool list = form_.question()->kind == QuestionKind::kChoice;  // it goes downwards
+    if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) return form_.type(key - GLFW_KEY_0), true;
+    if (key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) return form_.type(key - GLFW_KEY_KP_0), true;
+    switch (key) {
+        case GLFW_KEY_LEFT:
+        case GLFW_KEY_RIGHT:
+            return form_.move(key == GLFW_KEY_RIGHT ? 1 : -1), true;
+        case GLFW_KEY_UP:
+        case GLFW_KEY_DOWN:
+            return form_.move((key == GLFW_KEY_DOWN) == list ? 1 : -1), true;
+        case GLFW_KEY_DELETE:
+            return form_.clear(), true;
+        case GLFW_KEY_ENTER:
+        case GLFW_KEY_KP_ENTER:
+            return give_answer(), true;
+        default:
+            return false;
+    }
+}
+
+void WindowLoop::give_answer() {
+    const auto given = form_.given();
+    if (given && parts_.display != nullptr) parts_.display->answer(*given);
+}
+
+// The first press takes the needle; it stays in the hand until Esc.
+void WindowLoop::hold_arrow(const WindowEvent& event) {
+    if (parts_.hand == nullptr || event.repeated) return;
+    const int way = event.key == GLFW_KEY_DOWN ? 1 : event.key == GLFW_KEY_UP ? -1 : 0;
+    if (way == 0 || (!event.pressed && way != arrow_)) return;
+    arrow_ = event.pressed ? way : 0;
+    arrow_since_ = arrow_read_ = event.time;
+    if (event.pressed) parts_.hand->take_hold();
+}
+
+// A tap moves it a little, a key that is held faster and faster.
+void WindowLoop::push_by_arrows(SessionTime now) {
+    if (arrow_ == 0) return;
+    constexpr double kFirst = 0.2, kMore_per_s = 1.6;
+    const double share = kFirst + kMore_per_s * to_seconds(now - arrow_since_);
+    parts_.hand->push(arrow_ * std::min(share, 1.0),
+                      std::clamp(now - arrow_read_, Duration{0}, kLongestWait));
+    arrow_read_ = now;
 }
 
 void WindowLoop::ask_to_go_on() {
@@ -158,8 +230,10 @@ std::string WindowLoop::keys() const {
         "? or F1   this list\nF2        times from hand to picture\nF12       save the picture\n"
         "Backspace EMERGENCY STOP: no force, until somebody releases it\n";
     if (parts_.hand != nullptr) {
+        text += parts_.keyboard ? "Down      hold it to push the needle in; Up draws it out\n"
+                                : "click     take the needle: move down to push it in\n";
         text +=
-            "click     take the needle: move down to push it in\nEsc       let go\n"
+            "Esc       let go\n"
             "gamepad   hold A, push the left stick down\n";
         if (!parts_.stays_open) text += "F10       close the window and end\n";
     }
@@ -250,18 +324,10 @@ void WindowLoop::draw_notices() const {
 // A view with a panel says there what to do.
 PageText WindowLoop::words_of_page() const {
     static const Instructions kUnchanged;
-    const Instructions& words = parts_.instructions == nullptr ? kUnchanged : *parts_.instructions;
+    const Instructions& words = parts_.pages == nullptr ? kUnchanged : parts_.pages->instructions;
     PageText text = page_text(page_, words, parts_.subject_goes_on);
     if (parts_.overlay != nullptr && !words.of(page_.kind).body) text.body.clear();
     return text;
-}
-
-// A subject sees nothing between trials. A player sees how the last one ended, and the headline has a title without text.
-void WindowLoop::draw_page_over(const PageText& words) const {
-    constexpr double kShade = 0.6;
-    if (!painter_.cutaway()) return draw_page(gui_, words, scene_width());
-    if (words.body.empty()) return draw_shade(scene_width(), kShade);
-    draw_page(gui_, words, scene_width(), kShade);
 }
 
 void WindowLoop::draw_overlay(SessionTime now) {
@@ -272,11 +338,25 @@ void WindowLoop::draw_overlay(SessionTime now) {
 
 void WindowLoop::draw_captions(SessionTime now, const std::optional<Scene>& scene) {
     if (scene) painter_.draw_over(*scene);
-    if (page_.kind != PageKind::kNone) draw_page_over(words_of_page());
+    if (page_.kind != PageKind::kNone) draw_between_trials();
+    if (now < beep_seen_until_) draw_beep(scene_width());
     if (parts_.overlay != nullptr) draw_overlay(now);
     if (times_shown_ && parts_.display != nullptr) draw_times(times_);
     draw_notices();
     if (help_) draw_key_help(keys());
+}
+
+// A subject sees nothing of the scene between trials. A player sees how the last one ended, and the headline has a title without text.
+void WindowLoop::draw_between_trials() {
+    constexpr double kShade = 0.6;
+    const double opacity = painter_.cutaway() ? kShade : 1;
+    const PageText text = words_of_page();
+    if (form_.question() == nullptr) {
+        if (painter_.cutaway() && text.body.empty()) return draw_shade(scene_width(), kShade);
+        return draw_page(gui_, text, scene_width(), opacity);
+    }
+    draw_page(gui_, {}, scene_width(), opacity);
+    if (draw_question(gui_, questions_[page_.trial - 1], form_, text.body, scene_width())) give_answer();
 }
 
 Image WindowLoop::picture() {

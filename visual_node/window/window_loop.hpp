@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "visual_node/gamepad/vibration.hpp"
-#include "visual_node/instructions.hpp"
+#include "visual_node/page_set.hpp"
+#include "visual_node/question_form.hpp"
 #include "visual_node/visual_settings.hpp"
 #include "visual_node/window/beeper.hpp"
 #include "visual_node/window/captions.hpp"
@@ -37,11 +38,13 @@ class WindowLoop {
         PointerHand* hand = nullptr;       // null: the pointer moves nothing
         Overlay* overlay = nullptr;
         Beeper* beeper = nullptr;
-        const Instructions* instructions = nullptr;  // null: the pages' own words
-        bool subject_goes_on = false;                // a key or a click ends a page that waits
+        const PageSet* pages = nullptr;  // null: the program's own words, and no questions
+        bool subject_goes_on = false;    // a key or a click ends a page that waits
         // A subject with the pointer: nothing that a subject does closes the window, and no times are shown.
         bool stays_open = false;
         Vibration* vibration = nullptr;
+        bool beep_shown = false;  // as a bright frame
+        bool keyboard = false;    // the arrow keys move the hand, and the mouse does not
     };
     // `one_clock`: as in FrameTimes.
     WindowLoop(const Parts& parts, Duration smoothing, bool one_clock);
@@ -66,6 +69,12 @@ class WindowLoop {
     void take_mail(SessionTime now);
     void handle(const WindowEvent& event);
     void handle_key(const WindowEvent& event);
+    void handle_button();
+    void turn_to(const Page& page);
+    bool answer_key(int key);
+    void give_answer();
+    void hold_arrow(const WindowEvent& event);
+    void push_by_arrows(SessionTime now);
     void ask_to_go_on();
     void read_gamepad(SessionTime now);
     void vibrate(SessionTime now, const std::optional<Scene>& scene);
@@ -76,8 +85,8 @@ class WindowLoop {
     std::optional<Scene> scene_at(SessionTime now);
     void draw_captions(SessionTime now, const std::optional<Scene>& scene);
     void draw_notices() const;
-    void draw_page_over(const PageText& words) const;
     void draw_overlay(SessionTime now);
+    void draw_between_trials();
     PageText words_of_page() const;
     std::string keys() const;
     void save_screenshot(const Image& image) const;
@@ -89,11 +98,15 @@ class WindowLoop {
     FrameTimes times_;
     FramePace pace_;
     Page page_;
+    std::vector<ShownQuestion> questions_;
+    QuestionForm form_;
     std::string notice_;
     std::filesystem::path screenshot_;
     std::vector<BeepTimes> beeps_;
     std::uint64_t frames_ = 0;
     SessionTime begun_{}, swapped_{}, stick_read_{};
+    SessionTime beep_seen_until_{}, arrow_since_{}, arrow_read_{};
+    int arrow_ = 0;  // the arrow key that is held: 1 into the tissue, -1 out
     WindowEnd end_ = WindowEnd::kNone;
     Image* wanted_ = nullptr;    // where the next frame is to be copied
     JoystickIdentity joystick_;  // GLFW's first gamepad; no name: there is none

@@ -215,6 +215,27 @@ TEST_F(PersonsSession, AResumeIsHeardWhereAPageWaitsForItAndNoOtherOrderIs) {
     EXPECT_FALSE(is_heard(PageKind::kReady, OrderKind::kResume, 7)) << "asked for another trial";
 }
 
+TEST_F(PersonsSession, AnAnswerIsHeardOnItsOwnQuestionOnly) {
+    Page page;
+    page.kind = PageKind::kQuestion;
+    page.trial = 3;
+    Order answer;
+    answer.kind = OrderKind::kAnswer;
+    answer.value = 75;
+    const auto heard = [&](std::uint32_t question) {
+        session_.show(page);
+        answer.trial = question;
+        visual_.say(now_ += milliseconds{1}, answer);
+        session_.tick(now_);
+        return session_.take_answer();
+    };
+    EXPECT_EQ(heard(3), 75);
+    EXPECT_FALSE(heard(2));
+    page.kind = PageKind::kReady;
+    EXPECT_FALSE(heard(3)) << "no question is shown";
+    EXPECT_FALSE(session_.take_go_on());
+}
+
 // An instant in touch with the tissue, and the time begins anew.
 TEST_F(PersonsSession, ATrialEndsOnceTheNeedleWasFreeWithoutAPause) {
     reach_running();

@@ -116,6 +116,26 @@ TEST(GoOnRequest, IsRepeatedWhileItsPageStandsAndThenForgotten) {
     EXPECT_EQ(said_between(request, 5000, 5010), 1) << "pressed again";
 }
 
+// An answer, unlike a key, is worth waiting for.
+TEST(GoOnRequest, AnAnswerIsRepeatedUntilThePageIsTurned) {
+    GoOnRequest request(false);  // who begins trials has nothing to do with it
+    Page question = ready_page(4);
+    question.kind = PageKind::kQuestion;
+    request.turn(at(milliseconds{0}), question);
+    request.press(at(milliseconds{1}));
+    request.answer(at(milliseconds{1}), 3, 50);  // of the page before
+    EXPECT_EQ(said_between(request, 1, 200), 0);
+    request.answer(at(milliseconds{200}), 4, 75);
+    request.answer(at(milliseconds{230}), 4, 80);
+    EXPECT_GE(said_between(request, 230, 10'000), 190) << "without an end";
+    EXPECT_EQ(request.order().kind, OrderKind::kAnswer);
+    EXPECT_EQ(request.order().trial, 4U);
+    EXPECT_EQ(request.order().value, 80);
+    question.trial = 5;
+    request.turn(at(milliseconds{10'000}), question);
+    EXPECT_EQ(said_between(request, 10'000, 10'200), 0);
+}
+
 TEST(GoOnRequest, IsNothingWhereNoPageWaitsOrTheProtocolForbidsIt) {
     GoOnRequest request(true);
     request.press(at(milliseconds{0}));  // in a trial

@@ -39,6 +39,7 @@ struct PageDisplay final : Display {
     void turn_page(SessionTime, const Page& page) override { pages.push_back(page.kind); }
     void beep(SessionTime) override {}
     bool take_go_on() override { return false; }
+    std::optional<GivenAnswer> take_answer() override { return std::nullopt; }
     bool take_stop() override { return false; }
     std::vector<PageKind> pages;
 };

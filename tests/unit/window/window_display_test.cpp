@@ -54,6 +54,16 @@ TEST(WindowDisplay, PassesPagesAndBeepsOn) {
     EXPECT_FALSE(display.take_beep());
 }
 
+TEST(WindowDisplay, PassesAnswersOnInTheirOrder) {
+    WindowDisplay display(Duration::zero());
+    EXPECT_FALSE(display.take_answer());
+    display.answer({3, 50});
+    display.answer({4, 1});
+    EXPECT_EQ(display.take_answer().value().question, 3U);
+    EXPECT_EQ(display.take_answer().value().value, 1);
+    EXPECT_FALSE(display.take_answer());
+}
+
 // A window that hangs while many pages are turned shows the newest one when it looks again.
 TEST(WindowDisplay, TheNewestPageIsNeverLost) {
     WindowDisplay display(Duration::zero());

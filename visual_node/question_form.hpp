@@ -1,0 +1,66 @@
+// The answer that a subject is about to give: chosen with the mouse or by keys, given with Enter or a click on OK. Nothing is chosen
+// at first: a default would look like an answer.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "visual_node/display.hpp"
+#include "visual_node/page_set.hpp"
+
+namespace thimble {
+
+class QuestionForm {
+  public:
+    // Which question is shown; null: none. The same one again changes nothing. `question` outlives its time on the screen.
+    void show(std::uint32_t number, const Question* question) {
+        if (number == number_ && question == question_) return;
+        number_ = number;
+        question_ = question;
+        value_.reset();
+    }
+
+    const Question* question() const { return question_; }
+    const std::optional<double>& value() const { return value_; }
+
+    // The nearest answer that the question has.
+    void choose(double value) {
+        if (question_ == nullptr) return;
+        const Question& q = *question_;
+        const double steps = std::round((std::clamp(value, q.from, q.to) - q.from) / q.step);
+        value_ = std::min(q.from + steps * q.step, q.to);
+    }
+
+    // An arrow key. The first one goes to the middle of a scale, else to the first or the last answer.
+    void move(int steps) {
+        if (question_ == nullptr) return;
+        const Question& q = *question_;
+        if (value_) return choose(*value_ + steps * q.step);
+        if (q.kind == QuestionKind::kScale) return choose((q.from + q.to) / 2);
+        choose(steps > 0 ? q.from : q.to);
+    }
+
+    // Of a number one digit after another; of a choice and of a likert scale the answer itself.
+    void type(int digit) {
+        if (question_ == nullptr || question_->kind == QuestionKind::kScale) return;
+        const bool number = question_->kind == QuestionKind::kNumber;
+        const double typed = number ? 10 * value_.value_or(0) + digit : digit;
+        if (typed <= question_->to && (number || typed >= question_->from)) value_ = typed;
+    }
+
+    void clear() { value_.reset(); }
+
+    // Nothing while nothing is chosen, or a number that is still too small.
+    std::optional<GivenAnswer> given() const {
+        if (question_ == nullptr || !value_ || !question_->accepts(*value_)) return std::nullopt;
+        return GivenAnswer{number_, *value_};
+    }
+
+  private:
+    std::uint32_t number_ = 0;
+    const Question* question_ = nullptr;
+    std::optional<double> value_;
+};
+
+}  // namespace thimble
