@@ -41,7 +41,8 @@ class Positions {
         if (record.row.reason == EndReason::kPeerLost || record.row.reason == EndReason::kDeviceFault ||
             record.row.reason == EndReason::kSafetyStop)
             return true;
-        return record.row.reason == EndReason::kTimeout && settings_.repeat_timeouts && !record.practice;
+        return record.row.reason == EndReason::kTimeout && settings_.repeat_timeouts && !record.practice &&
+               !is_attention(agenda_.order[record.position - 1]);
     }
 
     const Agenda& agenda_;

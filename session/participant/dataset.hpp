@@ -5,6 +5,9 @@
 //     participants.tsv, .json    a line per participant
 //     task-needle_beh.json       what the columns of the trial tables mean
 //     exclusions.tsv             trials left out or run again, and why
+//     attention.tsv              which attention trials were passed
+//     corrections.tsv            what was changed after the session, by whom, when and why
+//     phenotype/                 consent, and answers to questionnaires (phenotype.hpp)
 //     orders/sub-07_order.tsv    written before the first trial
 //     sub-07/beh/sub-07_task-needle_beh.tsv      a line per trial
 //     sourcedata/sub-07/trajectories/, nodes/    each sample; logs and reports of the programs
@@ -27,6 +30,8 @@ class Dataset {
     std::filesystem::path description() const { return folder_ / "dataset_description.json"; }
     std::filesystem::path participants() const { return folder_ / "participants.tsv"; }
     std::filesystem::path exclusions() const { return folder_ / "exclusions.tsv"; }
+    std::filesystem::path attention() const { return folder_ / "attention.tsv"; }
+    std::filesystem::path corrections() const { return folder_ / "corrections.tsv"; }
     std::filesystem::path order(std::uint32_t participant) const;
     std::filesystem::path records(std::uint32_t participant) const;
     std::filesystem::path source(std::uint32_t participant) const;
@@ -45,10 +50,7 @@ class Dataset {
 // For programs that write other things: throws Error (usage) if `folder` holds a dataset of participants.
 void refuse_dataset(const std::filesystem::path& folder);
 
-// participants.tsv: a line per participant, added before the first trial and never altered. Pseudonymous: a
-// number and what the study needs; names, dates of birth and the signed consent belong elsewhere.
-
-// Of participants.tsv: a line per participant, added before the first trial and never altered. Pseudonymous: a number and
+// Of participants.tsv: a line per participant, added before the first trial and altered by corrections.hpp alone. Pseudonymous: a number and
 // what the study needs; names, dates of birth and the signed consent belong elsewhere.
 // "n/a" where it was not asked or not told. Values as BIDS wants them.
 struct PersonDescription {
@@ -65,6 +67,12 @@ std::string age_text(const std::string& years);
 // Adds the participant if it is not there. Gives the line that stands in the file if it says something else.
 std::string add_participant(const Dataset& dataset, std::uint32_t participant, SubjectKind kind,
                             const PersonDescription& person);
+
+// A field of that line, e.g. "age". Throw Error (usage) if the participant is not there.
+std::string person_field(const Dataset& dataset, std::uint32_t participant, std::string_view column);
+// Replaces the file as a whole; corrections.hpp keeps a note of it.
+void set_person_field(const Dataset& dataset, std::uint32_t participant, std::string_view column,
+                      const std::string& value);
 
 std::vector<std::uint32_t> read_participants(const Dataset& dataset);
 

@@ -1,5 +1,6 @@
 #include "session/participant/order_file.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -49,6 +50,23 @@ std::vector<OrderEntry> practice_of(const Protocol& protocol, const ProtocolSett
     return order;
 }
 
+// The bar needs no feeling; where it is not shown, the first modality that is.
+OrderEntry attention_trial(const Protocol& protocol, std::uint32_t participant, std::uint32_t number) {
+    const auto& all = protocol.modalities;
+    const bool bar = std::find(all.begin(), all.end(), Modality::kVF) != all.end();
+    const std::uint32_t trial = kFirstAttentionTrial + number;
+    OrderEntry entry;
+    entry.conditions = TrialConditions{protocol.seed,
+                                       protocol.experiment,
+                                       participant,
+                                       trial,
+                                       bar ? Modality::kVF : all[0],
+                                       protocol.delay_s,
+                                       draw_fixture_position_m(protocol, participant, trial),
+                                       false};
+    return entry;
+}
+
 }  // namespace
 
 std::vector<OrderEntry> plan_order(const SystemSettings& settings, std::uint32_t participant) {
@@ -71,11 +89,17 @@ std::vector<OrderEntry> plan_order(const SystemSettings& settings, std::uint32_t
     }
     const std::vector<Protocol> protocols = session_protocols(settings);
     std::vector<OrderEntry> order = practice_of(protocols[0], plan, participant);
-    std::uint32_t counted = 0;
+    std::uint32_t counted = 0, planned = 0;
     for (const TrialConditions& conditions :
          participant_trials(protocols[0], protocols.size() > 1 ? &protocols[1] : nullptr, participant)) {
         const std::uint32_t block = plan.break_every == 0 ? 1 : 1 + counted++ / plan.break_every;
         order.push_back({static_cast<std::uint32_t>(order.size() + 1), block, false, conditions});
+        const std::uint32_t trials = ++planned;
+        if (plan.attention_every == 0 || trials % plan.attention_every != 0) continue;
+        OrderEntry attention = attention_trial(protocols[0], participant, trials / plan.attention_every - 1);
+        attention.position = static_cast<std::uint32_t>(order.size() + 1);
+        attention.block = block;
+        order.push_back(attention);
     }
     return order;
 }

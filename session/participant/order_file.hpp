@@ -24,6 +24,10 @@ struct OrderEntry {
 // others, and with them all that is drawn, do not depend on how much was practised.
 inline constexpr std::uint32_t kFirstPracticeTrial = 1001;
 
+// Attention trials, likewise: an attentive participant passes them. They are in the easiest modality and are not analysed.
+inline constexpr std::uint32_t kFirstAttentionTrial = 2001;
+inline bool is_attention(const OrderEntry& entry) { return entry.conditions.trial >= kFirstAttentionTrial; }
+
 // The order that the settings give. Throws Error (usage) without [protocol], or if more participants come than planned.
 std::vector<OrderEntry> plan_order(const SystemSettings& settings, std::uint32_t participant);
 

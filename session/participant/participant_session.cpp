@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "session/participant/questions.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/records/trajectory_file.hpp"
 
@@ -35,13 +36,18 @@ ParticipantSession::ParticipantSession(ParticipantSessionOptions options, TrialR
     agenda_.order = read_order(options_.dataset.order(options_.participant), options_.participant);
     agenda_.records = read_records(options_.dataset.records(options_.participant));
     agenda_.exclusions = read_exclusions(options_.dataset.exclusions());
+    if (options_.pages == nullptr) return;
+    const std::uint32_t blocks = agenda_.order.empty() ? 0 : agenda_.order.back().block;
+    open_phenotype(options_.dataset, *options_.pages, blocks);
 }
 
 ParticipantSessionResult ParticipantSession::run() {
-    if (agenda_.next(options_.protocol)) runner_.prepare();  // before the first question
+    const std::optional<Step> first = agenda_.next(options_.protocol);
+    if (first || questions_are_due(first)) runner_.prepare();  // before the first question
     for (;;) {
         const std::optional<Step> step = agenda_.next(options_.protocol);
         Answer answer = step ? await_release(step) : Answer::kGo;
+        if (answer == Answer::kGo) answer = ask_questions(step);
         if (answer == Answer::kGo) answer = before(step);
         if (answer == Answer::kAskAgain) continue;
         if (answer == Answer::kGo && step && !runner_.stop_text().empty())
@@ -95,14 +101,42 @@ ParticipantSession::Answer ParticipantSession::obey_in_stop(const std::string& l
     return Answer::kAskAgain;
 }
 
+bool ParticipantSession::questions_are_due(const std::optional<Step>& step) const {
+    std::uint32_t block = 0;
+    return options_.pages != nullptr &&
+           due_questionnaire(options_.dataset, *options_.pages, agenda_, step, block).has_value();
+}
+
+ParticipantSession::Answer ParticipantSession::ask_questions(const std::optional<Step>& step) {
+    const Asker asker{runner_, options_.lines, options_.stop, options_.say};
+    while (questions_are_due(step)) {
+        std::uint32_t block = 0;
+        const PageSet& pages = *options_.pages;
+        const std::size_t form = *due_questionnaire(options_.dataset, pages, agenda_, step, block);
+        auto answers = ask_questionnaire(asker, pages, form);
+        if (!answers) return Answer::kStop;
+        const std::string time =
+            options_.realtime_ns ? utc_text(options_.realtime_ns()) : std::string(kNotAvailable);
+        write_answers(options_.dataset, pages.questionnaires[form],
+                      {options_.participant, block, time, std::move(*answers)});
+    }
+    return Answer::kGo;
+}
+
 bool ParticipantSession::rest_is_due(const std::optional<Step>& step) const {
     return step && last_block_ && *last_block_ != step->entry.block && options_.protocol.break_every > 0;
 }
 
 std::string ParticipantSession::name_of(const Step& step) const {
     const TrialConditions& c = step.entry.conditions;
-    return fmt::format("trial {} of {} ({}experiment {}, {}){}", step.entry.position, agenda_.order.size(),
-                       step.entry.practice ? "practice, " : "", c.experiment, to_string(c.modality),
+    const std::string conditions =
+        options_.protocol.blinded ? ""
+                                  : fmt::format("experiment {}, {}", c.experiment, to_string(c.modality));
+    const char* const kind = step.entry.practice ? "practice" : is_attention(step.entry) ? "attention" : "";
+    const std::string both =
+        fmt::format("{}{}{}", kind, *kind == 0 || conditions.empty() ? "" : ", ", conditions);
+    return fmt::format("trial {} of {}{}{}", step.entry.position, agenda_.order.size(),
+                       both.empty() ? "" : fmt::format(" ({})", both),
                        step.repeat_of == 0 ? "" : fmt::format(" again: {}", step.reason));
 }
 
@@ -264,7 +298,21 @@ void ParticipantSession::do_trial(const Step& step) {
                       record.row.reason == EndReason::kSafetyStop;
     lost_in_a_row_ = lost ? lost_in_a_row_ + 1 : 0;
     if (!trial.fault.empty()) options_.say(printable(trial.fault));
-    options_.say(fmt::format("{}: {}", name_of(step), course_text(record.row)));
+    options_.say(fmt::format("{}: {}", name_of(step), course_of(record)));
+    if (is_attention(step.entry)) note_attention(record);
+}
+
+std::string ParticipantSession::course_of(const DatasetRecord& record) const {
+    return options_.protocol.blinded ? outcome_text(record.row.reason, record.row.lost_peer)
+                                     : course_text(record.row);
+}
+
+void ParticipantSession::note_attention(const DatasetRecord& record) {
+    if (!ran_to_its_end(record.row)) return;  // it is run again
+    const AttentionResult result =
+        judge_attention(options_.participant, record, options_.protocol.attention_limit);
+    add_attention(options_.dataset.attention(), result);
+    options_.say(fmt::format("attention trial {}: {}", record.position, result.passed ? "passed" : "failed"));
 }
 
 ParticipantSessionResult ParticipantSession::result(ExitCode code, std::string problem) const {
@@ -276,7 +324,8 @@ ParticipantSessionResult ParticipantSession::result(ExitCode code, std::string p
             agenda_.begun(),
             agenda_.order.size(),
             agenda_.records.size(),
-            static_cast<std::size_t>(repeats)};
+            static_cast<std::size_t>(repeats),
+            false};
 }
 
 }  // namespace thimble

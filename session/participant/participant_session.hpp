@@ -13,6 +13,7 @@
 #include "common/error.hpp"
 #include "session/participant/agenda.hpp"
 #include "session/participant/dataset.hpp"
+#include "session/participant/phenotype.hpp"
 #include "session/participant/prompt.hpp"
 #include "session/records/trial_record.hpp"
 
@@ -33,6 +34,8 @@ class TrialRunner : boost::noncopyable {
     virtual void show(const Page& page) = 0;
     // Whether the participant has asked to go on from that page since the last call.
     virtual bool take_go_on() = 0;
+    // The participant's answer to the question on that page, given since the last call.
+    virtual std::optional<double> take_answer() { return std::nullopt; }
     // Lets time pass between trials.
     virtual void idle(Duration limit) = 0;
     virtual SessionTime now() const = 0;
@@ -56,6 +59,8 @@ struct ParticipantSessionOptions {
     std::function<bool()> paused{};
     // The participant, too, may begin the next trial; with no experimenter asked, the participant alone.
     bool subject_goes_on = false;
+    const PageSet* pages = nullptr;               // whose questionnaires a person answers; null: none
+    std::function<std::int64_t()> realtime_ns{};  // since 1970, when they were; none: not recorded
 };
 
 struct ParticipantSessionResult {
@@ -64,6 +69,7 @@ struct ParticipantSessionResult {
     std::uint32_t participant = 0;
     std::size_t trials_begun = 0, trials_planned = 0;
     std::size_t records = 0, repeats = 0;
+    bool declined = false;  // the participant did not consent, and there was no trial
 };
 
 class ParticipantSession {
@@ -78,6 +84,8 @@ class ParticipantSession {
     Answer await_release(const std::optional<Step>& step);
     Answer obey_in_stop(const std::string& line);
     Answer before(const std::optional<Step>& step);
+    Answer ask_questions(const std::optional<Step>& step);
+    bool questions_are_due(const std::optional<Step>& step) const;
     Answer ask(const std::string& prompt, const std::optional<Step>& step);
     Page page(const std::optional<Step>& step) const;
     void wait(const std::optional<Step>& step);
@@ -91,6 +99,8 @@ class ParticipantSession {
     void do_trial(const Step& step);
     bool rest_is_due(const std::optional<Step>& step) const;
     std::string name_of(const Step& step) const;
+    void note_attention(const DatasetRecord& record);
+    std::string course_of(const DatasetRecord& record) const;
     bool stopped() const { return options_.stop != nullptr && *options_.stop; }
     ParticipantSessionResult result(ExitCode code, std::string problem) const;
 

@@ -26,10 +26,12 @@ inline std::filesystem::path next_start(const std::filesystem::path& nodes) {
 class RealTrials final : public TrialRunner {
   public:
     // `plan.out`: each start of the programs gets a folder of its own in it.
-    RealTrials(ConditionPlan plan, const std::atomic<bool>* stop)
+    // `blinded`: what is said of a running trial names neither modality nor delay, and no force.
+    RealTrials(ConditionPlan plan, const std::atomic<bool>* stop, bool blinded = false)
         : plan_(std::move(plan)), nodes_(plan_.out) {
         events_.stop = [stop] { return stop != nullptr && *stop; };
-        events_.progress = [this](const TrialConditions& c, const TrajectorySample& s) {
+        events_.progress = [this, blinded](const TrialConditions& c, const TrajectorySample& s) {
+            if (blinded) return progress_.show(fmt::format("{:.1f} s", s.time_s), false);
             progress_.show(fmt::format("{} {}: {:.1f} s, needle {:.1f} mm, force {:.2f} N, contact {:.1f} s",
                                        delay_text(c.delay_s), to_string(c.modality), s.time_s,
                                        1000 * s.position_needle_m, s.force_total_N, s.contact_time_s),
@@ -64,6 +66,9 @@ class RealTrials final : public TrialRunner {
     }
 
     bool take_go_on() override { return condition_ && condition_->take_go_on(); }
+    std::optional<double> take_answer() override {
+        return condition_ ? condition_->take_answer() : std::nullopt;
+    }
     void idle(Duration limit) override {
         if (!condition_) return wall_sleep(limit);
         // A participant who is to go on needs the window that asks.

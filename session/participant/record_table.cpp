@@ -70,6 +70,20 @@ std::vector<DatasetRecord> read_records(const std::filesystem::path& file) {
 
 namespace {
 
+using A = AttentionResult;
+
+constexpr std::array kAttentionColumns{
+    TableColumn<A>{
+        "participant_id",
+        [](fmt::memory_buffer& out, const A& a) { write_value(out, participant_id(a.participant)); },
+        [](const CsvField& field, A& a) { a.participant = read_participant(field); }},
+    column<A, &A::position>("position"),
+    column<A, &A::record>("record"),
+    column<A, &A::beep_time_s>("beep_time_s"),
+    column<A, &A::limit_s>("limit_s"),
+    column<A, &A::passed>("passed")};
+constexpr auto kAttentionNames = names_of(kAttentionColumns);
+
 using E = Exclusion;
 
 constexpr std::array kExclusionColumns{
@@ -80,18 +94,52 @@ constexpr std::array kExclusionColumns{
     column<E, &E::position>("position"), column<E, &E::record>("record"),
     TableColumn<E>{"kind", [](fmt::memory_buffer& out, const E& e) { write_value(out, to_string(e.kind)); },
                    [](const CsvField& field, E& e) {
-                       const bool excluded = field.text == "excluded";
-                       if (!excluded && field.text != "rejected")
-                           field.fail("is neither excluded nor rejected");
-                       e.kind = excluded ? ExclusionKind::kExcluded : ExclusionKind::kRejected;
+                       for (const auto kind :
+                            {ExclusionKind::kExcluded, ExclusionKind::kRejected, ExclusionKind::kIncluded}) {
+                           if (field.text != to_string(kind)) continue;
+                           e.kind = kind;
+                           return;
+                       }
+                       field.fail("is neither excluded, rejected nor included");
                    }},
     column<E, &E::reason>("reason")};
 constexpr auto kExclusionNames = names_of(kExclusionColumns);
 
 }  // namespace
 
+AttentionResult judge_attention(std::uint32_t participant, const DatasetRecord& record, Duration limit) {
+    const TrialMetrics& m = record.row.metrics;
+    AttentionResult result{participant, record.position, record.record};
+    result.beep_time_s = m.beeped ? m.puncture_time_s + m.completion_time_s : TrialMetrics::kNone;
+    result.limit_s = to_seconds(limit);
+    result.passed = result.beep_time_s <= result.limit_s;
+    return result;
+}
+
+void add_attention(const std::filesystem::path& file, const AttentionResult& result) {
+    fmt::memory_buffer line;
+    write_fields(line, kAttentionColumns, result, '\t', kNotAvailable);
+    TsvFile(file, kAttentionNames).append({line.data(), line.size()});
+}
+
+std::vector<AttentionResult> read_attention(const std::filesystem::path& file) {
+    std::vector<AttentionResult> all;
+    if (!is_table(file)) return all;
+    CsvReader reader(file, kAttentionNames, '\t');
+    while (reader.next()) {
+        AttentionResult result;
+        read_fields(reader, kAttentionColumns, result, 0, kNotAvailable);
+        std::erase_if(all, [&](const AttentionResult& earlier) {
+            return earlier.participant == result.participant && earlier.position == result.position;
+        });
+        all.push_back(result);
+    }
+    return all;
+}
+
 const char* to_string(ExclusionKind kind) {
-    return kind == ExclusionKind::kExcluded ? "excluded" : "rejected";
+    static constexpr std::array kNames{"excluded", "rejected", "included"};
+    return kNames.at(static_cast<std::size_t>(kind));
 }
 
 void add_exclusion(const std::filesystem::path& file, Exclusion e) {
@@ -117,7 +165,10 @@ const Exclusion* find_exclusion(const std::vector<Exclusion>& all, std::uint32_t
     const Exclusion* found = nullptr;
     for (const Exclusion& e : all) {
         if (e.participant != participant || e.record != record) continue;
-        if (found == nullptr || e.kind == ExclusionKind::kExcluded) found = &e;
+        if (e.kind == ExclusionKind::kIncluded)
+            found = nullptr;
+        else if (found == nullptr || e.kind == ExclusionKind::kExcluded)
+            found = &e;
     }
     return found;
 }

@@ -38,10 +38,23 @@ std::vector<std::string_view> record_columns();
 // None if there is no file. Throws Error (data) naming line and column of what cannot be read.
 std::vector<DatasetRecord> read_records(const std::filesystem::path& file);
 
+// attention.tsv: an attention trial that was run, and whether the beep came within the limit.
+struct AttentionResult {
+    std::uint32_t participant = 0;
+    std::uint32_t position = 0, record = 0;
+    double beep_time_s = 0;  // since the start of the trial; NaN: no beep
+    double limit_s = 0;
+    bool passed = false;
+};
+AttentionResult judge_attention(std::uint32_t participant, const DatasetRecord& record, Duration limit);
+void add_attention(const std::filesystem::path& file, const AttentionResult& result);
+// Of all participants, the last one of a trial that was run again; none if there is no file.
+std::vector<AttentionResult> read_attention(const std::filesystem::path& file);
+
 // exclusions.tsv: trials that the experimenter rejected (run again) or excluded (left out for good), each
 // with a reason. The trials' own lines stay as they are.
-enum class ExclusionKind : std::uint8_t { kExcluded, kRejected };
-const char* to_string(ExclusionKind kind);  // "excluded", "rejected"
+enum class ExclusionKind : std::uint8_t { kExcluded, kRejected, kIncluded };
+const char* to_string(ExclusionKind kind);  // "excluded", "rejected", "included"
 
 struct Exclusion {
     std::uint32_t participant = 0;
@@ -55,7 +68,7 @@ struct Exclusion {
 void add_exclusion(const std::filesystem::path& file, Exclusion exclusion);
 // Of all participants; none if there is no file.
 std::vector<Exclusion> read_exclusions(const std::filesystem::path& file);
-// The one of a record, null if there is none: an exclusion wins over a rejection.
+// The one of a record, null if there is none: an exclusion wins over a rejection. A later "included" takes back what stands before.
 const Exclusion* find_exclusion(const std::vector<Exclusion>& all, std::uint32_t participant,
                                 std::uint32_t record);
 

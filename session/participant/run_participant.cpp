@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "session/participant/questions.hpp"
 #include "session/participant/real_trials.hpp"
 #include "session/participant/tsv.hpp"
 
@@ -47,9 +48,11 @@ void check_person(const SystemSettings& settings, const ParticipantRun& run) {
                     "the mouse; or start the nodes with a master that holds a real handle (on the ports of "
                     "[network], docs/protocol.md), and say --attach");
     }
-    if (!run.person.consent) {
-        throw Error(ExitCode::kUsage,
-                    "a person takes part with informed consent only: once you have it, say --consent");
+    if (!run.person.consent && !settings.pages.consent) {
+        throw Error(
+            ExitCode::kUsage,
+            "a person takes part with informed consent only: once you have it, say --consent; or name a "
+            "page set with a consent page, [instructions] pages = \"en.toml\"");
     }
 }
 
@@ -136,11 +139,47 @@ ConditionPlan condition_plan(const SystemSettings& settings, const ParticipantRu
     return plan;
 }
 
+bool experimenter_answers(const SystemSettings& settings, const ParticipantRun& run) {
+    return run.commands || (settings.plan.kind == SubjectKind::kHuman && isatty(STDIN_FILENO) == 1);
+}
+
+// On the screen, where the page set has a consent page that this participant has not agreed to in this version.
+Consent consent_of(const SystemSettings& settings, const ParticipantRun& run, const Dataset& dataset,
+                   std::uint32_t participant, RealTrials& trials, LineSource& typed) {
+    const auto& page = settings.pages.consent;
+    if (!page || settings.plan.kind != SubjectKind::kHuman) return Consent::kGiven;
+    if (has_consented(dataset, *page, participant)) return Consent::kGiven;
+    trials.prepare();
+    const std::function<void(const std::string&)> say = [&trials](const std::string& line) {
+        trials.say(line);
+    };
+    LineSource* const lines = experimenter_answers(settings, run) ? &typed : nullptr;
+    return ask_consent({trials, lines, run.stop, say}, *page);
+}
+
+// Without consent nothing of the person is kept.
+ParticipantSessionResult end_without_consent(const Dataset& dataset, std::uint32_t participant, bool begun,
+                                             Consent consent, RealTrials& trials) {
+    Page done;
+    done.kind = PageKind::kDone;
+    trials.show(done);
+    trials.idle(std::chrono::seconds{1});
+    trials.close();
+    if (!begun) std::filesystem::remove_all(dataset.source(participant));
+    ParticipantSessionResult result;
+    result.participant = participant;
+    result.declined = consent == Consent::kDeclined;
+    if (result.declined) return result;
+    result.code = ExitCode::kRunFailed;
+    result.problem = "interrupted before the participant consented; nothing is kept";
+    return result;
+}
+
 ParticipantSessionResult run_to_end(const SystemSettings& settings, const ParticipantRun& run,
-                                    const Dataset& dataset, std::uint32_t participant, RealTrials& trials) {
+                                    const Dataset& dataset, std::uint32_t participant, RealTrials& trials,
+                                    LineSource& typed) {
     const bool human = settings.plan.kind == SubjectKind::kHuman;
-    DescriptorLines typed(STDIN_FILENO);
-    const bool asks = run.commands || (human && isatty(STDIN_FILENO) == 1);
+    const bool asks = experimenter_answers(settings, run);
     TwoLineSources both(typed, run.view ? *run.view->lines : typed);
     LineSource* answers = run.view ? static_cast<LineSource*>(&both) : &typed;
     ParticipantSessionOptions options{dataset,
@@ -155,6 +194,8 @@ ParticipantSessionResult run_to_end(const SystemSettings& settings, const Partic
         options.paused = run.view->paused;
     }
     options.subject_goes_on = human && settings.protocol->subject_goes_on;
+    if (human) options.pages = &settings.pages;
+    options.realtime_ns = [] { return read_clock_pair().realtime_ns; };
     return ParticipantSession(std::move(options), trials).run();
 }
 
@@ -175,10 +216,19 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
     dataset.open(kind, settings.dataset);
     if (run.view) run.view->planned(order.size());
     RealTrials trials(condition_plan(settings, run, dataset, participant, order.front().conditions.delay_s),
-                      run.stop);
+                      run.stop, settings.protocol->blinded);
+    DescriptorLines typed(STDIN_FILENO);
+    const Consent consent = consent_of(settings, run, dataset, participant, trials, typed);
+    if (consent != Consent::kGiven)
+        return end_without_consent(dataset, participant, written, consent, trials);
     // The order first: an analysis asks for the order of every participant that is in the table.
     if (!written) write_order(dataset.order(participant), order);
-    const std::string line = add_participant(dataset, participant, kind, run.person);
+    PersonDescription person = run.person;
+    person.consent = true;
+    const std::string line = add_participant(dataset, participant, kind, person);
+    if (settings.pages.consent && kind == SubjectKind::kHuman &&
+        !has_consented(dataset, *settings.pages.consent, participant))
+        write_consent(dataset, *settings.pages.consent, participant, utc_text(read_clock_pair().realtime_ns));
     if (!line.empty()) trials.say(fmt::format("participants.tsv keeps what it says: {}", line));
     const std::string other = written ? what_differs(settings, participant, order) : "";
     if (!other.empty()) {
@@ -187,40 +237,13 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
                         "one is used",
                         dataset.order(participant).string(), other));
     }
-    ParticipantSessionResult result = run_to_end(settings, run, dataset, participant, trials);
+    ParticipantSessionResult result = run_to_end(settings, run, dataset, participant, trials, typed);
     const ConditionResult closed = trials.close();
     if (result.code == ExitCode::kOk && closed.code == ExitCode::kRealtime) {
         result.code = closed.code;
         result.problem = closed.problem;
     }
     return result;
-}
-
-void exclude_trial(const std::filesystem::path& folder, const std::string& name, std::uint32_t position,
-                   const std::string& reason) {
-    const Dataset dataset(folder);
-    if (!dataset.kind()) {
-        throw Error(ExitCode::kUsage,
-                    "{}: is no dataset of participants; name the --out folder of a participant session",
-                    folder.string());
-    }
-    const auto participant = parse_participant(name);
-    if (!participant) throw Error(ExitCode::kUsage, "{}: is no participant, e.g. P07", name);
-    const auto records = read_records(dataset.records(*participant));
-    const auto last = std::find_if(records.rbegin(), records.rend(),
-                                   [&](const DatasetRecord& record) { return record.position == position; });
-    if (last == records.rend()) {
-        throw Error(ExitCode::kUsage, "{} has no record of trial {}: see column 'position' of {}", name,
-                    position, dataset.records(*participant).string());
-    }
-    const auto exclusions = read_exclusions(dataset.exclusions());
-    const Exclusion* there = find_exclusion(exclusions, *participant, last->record);
-    if (there != nullptr && there->kind == ExclusionKind::kExcluded) {
-        throw Error(ExitCode::kUsage, "trial {} of {} is excluded already: {}", position, name,
-                    there->reason);
-    }
-    add_exclusion(dataset.exclusions(),
-                  {*participant, position, last->record, ExclusionKind::kExcluded, reason});
 }
 
 }  // namespace thimble

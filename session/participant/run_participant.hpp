@@ -44,9 +44,4 @@ struct ParticipantRun {
 // written then); network, if the nodes cannot be reached; data, if a file of the dataset is damaged.
 ParticipantSessionResult run_participant(const SystemSettings& settings, const ParticipantRun& run);
 
-// Marks a trial of a participant, by its position in the order, as excluded. Throws Error: usage, if there is
-// no such trial or it is excluded already.
-void exclude_trial(const std::filesystem::path& folder, const std::string& participant,
-                   std::uint32_t position, const std::string& reason);
-
 }  // namespace thimble

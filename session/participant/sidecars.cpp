@@ -30,7 +30,10 @@ constexpr std::array kMeanings{
     ColumnMeaning{"experiment", "1: no delay; 2: the fixture vanishes with the beep; 3: delayed force",
                   nullptr},
     ColumnMeaning{"subject", "Participant number", nullptr},
-    ColumnMeaning{"trial", "Number within participant and experiment; from 1001 on: practice", nullptr},
+    ColumnMeaning{
+        "trial",
+        "Number within participant and experiment; from 1001 on: practice; from 2001 on: attention trials",
+        nullptr},
     ColumnMeaning{"modality",
                   "How the force was displayed. HF: handle; CF: fingers of the acting hand; CCF: fingers of "
                   "the other hand; VF: bar on the screen",
@@ -119,7 +122,7 @@ std::vector<Sidecar> sidecars_of(SubjectKind kind, const std::string& name) {
     return {{"participants.json", participants_json()},
             {"task-needle_beh.json", behaviour_json()},
             {"README.md", readme(kind, name)},
-            {".bidsignore", "orders/\nexclusions.tsv\n"}};
+            {".bidsignore", "orders/\nexclusions.tsv\nattention.tsv\ncorrections.tsv\n"}};
 }
 
 }  // namespace thimble

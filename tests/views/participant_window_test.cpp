@@ -22,14 +22,29 @@ constexpr const char* kMouseSession =
     "next_by = 'subject'\n"
     "[instructions]\nready_title = 'Bereit?'\nready = 'Versuch {trial} von {trials}'\n";
 
+// With the arrow keys, a consent page, and questions before the trial and after it.
+constexpr const char* kKeySession =
+    "[session]\nsubject = 'human'\nparticipant = 'P07'\nmodalities = ['CF']\nfixture_jitter_m = 0\n"
+    "[handle]\ndevice = 'keyboard'\n[visual]\nsound = false\nfingertip = true\n"
+    "[fixture]\nposition_m = 0.03\n[trial]\ncontact_hold_s = 0.02\n"
+    "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\npractice_trials = 0\nbreak_every = 0\n"
+    "next_by = 'subject'\nblinded = true\n[instructions]\npages = 'pages.toml'\n";
+constexpr const char* kPages =
+    "[consent]\nversion = 'v2'\ntext = 'You take part.'\nagree = 'yes'\ndecline = 'no'\n"
+    "[[questionnaire]]\nname = 'about'\nwhen = 'start'\n[[questionnaire.question]]\nid = 'age'\n"
+    "text = 'How old?'\nkind = 'number'\nfrom = 18\nto = 89\n"
+    "[[questionnaire]]\nname = 'load'\n[[questionnaire.question]]\nid = 'effort'\ntext = 'How hard?'\n"
+    "kind = 'likert'\n";
+
 class SessionWithAMouse : public OnAScreen {
   protected:
     // Where nobody types.
-    Child start(const std::string& more = "") const {
+    Child start(const std::string& more = "--consent", const char* session = kMouseSession) const {
+        folder_.write("pages.toml", kPages);
         const std::string command = "exec " THIMBLE_BIN_DIR "/thimble run " +
-                                    folder_.write("session.toml", kMouseSession).string() + " --out " +
+                                    folder_.write("session.toml", session).string() + " --out " +
                                     dataset_.folder().string() + " --base-port " +
-                                    std::to_string(ports_.base()) + " --consent " + more + " </dev/null";
+                                    std::to_string(ports_.base()) + " " + more + " </dev/null";
         return {"/bin/sh", {"-c", command}, folder_ / "words"};
     }
     std::string words() const { return read_text(folder_ / "words"); }
@@ -75,7 +90,7 @@ TEST_F(SessionWithAMouse, IsCutAndGoesOn) {
         return !screen.hand({"search", "--onlyvisible", "--name", "Thimble"});
     })) << "the programs end with the one that started them";
 
-    Child second = start("--resume");
+    Child second = start("--consent --resume");
     ASSERT_TRUE(screen.wait_for_window("Thimble")) << words();
     const auto cut = real.parent_path() / (real.stem().string() + "_cut1.csv");
     ASSERT_TRUE(wait_until([&] {
@@ -91,6 +106,56 @@ TEST_F(SessionWithAMouse, IsCutAndGoesOn) {
     for (const DatasetRecord& record : done) EXPECT_EQ(record.row.reason, EndReason::kCompleted);
     EXPECT_EQ(done[1].repeat_of, 0U);
     EXPECT_THAT(words(), testing::HasSubstr("2 of 2 trials"));
+}
+
+TEST_F(SessionWithAMouse, ConsentQuestionsAndATrialByKeysAlone) {
+    VirtualScreen& screen = *screen_;
+    const auto answers = [&](const char* table) {
+        return testing::Value(read_text(dataset_.folder() / "phenotype" / table), testing::HasSubstr("Z\t"));
+    };
+    // Pressed until it is written down: the page may not be there yet.
+    const auto answer = [&](const std::vector<std::string>& keys, const std::function<bool()>& done) {
+        return wait_until([&] {
+            for (const std::string& key : keys) screen.press(key);
+            return done();
+        });
+    };
+    Child run = start("", kKeySession);
+    ASSERT_TRUE(screen.wait_for_window("Thimble")) << words();
+    ASSERT_TRUE(answer({"1", "Return"}, [&] { return answers("consent.tsv"); })) << words();
+    ASSERT_TRUE(answer({"Delete", "3", "1", "Return"}, [&] { return answers("about.tsv"); })) << words();
+    const auto trial = trajectory(1, 1);
+    ASSERT_TRUE(begins(screen, trial)) << words();
+    const auto hold = [&](const char* key, const std::function<bool()>& done) {
+        screen.hand({"keydown", key});
+        const bool good = wait_until(done);
+        screen.hand({"keyup", key});
+        return good;
+    };
+    ASSERT_TRUE(hold("Down", [&] { return newest_needle_m(trial) > 0.035 || records().size() == 1; }))
+        << words();
+    ASSERT_TRUE(hold("Up", [&] { return records().size() == 1; })) << words();
+    ASSERT_TRUE(answer({"6", "Return"}, [&] { return answers("load_block1.tsv"); })) << words();
+    EXPECT_EQ(run.wait(kPatience), 0) << words();
+    EXPECT_EQ(records()[0].row.reason, EndReason::kCompleted);
+    EXPECT_THAT(read_text(dataset_.folder() / "phenotype" / "about.tsv"), testing::HasSubstr("\t31\n"));
+    EXPECT_THAT(read_text(dataset_.participants()), testing::HasSubstr("yes"));
+    EXPECT_THAT(words(), testing::Not(testing::HasSubstr("CF"))) << "blinded";
+}
+
+TEST_F(SessionWithAMouse, WhoDeclinesLeavesNothing) {
+    Child run = start("", kKeySession);
+    ASSERT_TRUE(screen_->wait_for_window("Thimble")) << words();
+    ASSERT_TRUE(wait_until([&] {
+        screen_->press("2");
+        screen_->press("Return");
+        return run.poll().has_value();
+    })) << words();
+    EXPECT_EQ(run.wait(kPatience), 0) << words();
+    EXPECT_THAT(words(), testing::HasSubstr("did not consent"));
+    EXPECT_FALSE(std::filesystem::exists(dataset_.source(7)));
+    EXPECT_FALSE(std::filesystem::exists(dataset_.participants()));
+    EXPECT_FALSE(std::filesystem::exists(dataset_.order(7)));
 }
 
 TEST_F(SessionWithAMouse, AScreenThatGoesAwayStopsItInOrder) {

@@ -1,26 +1,47 @@
 // thimble dataset: what is done with the data of participants after their sessions.
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/runtime/wall_clock.hpp"
+#include "session/participant/corrections.hpp"
 #include "session/participant/motion_export.hpp"
-#include "session/participant/run_participant.hpp"
+#include "session/participant/phenotype.hpp"
 #include "thimble/commands/commands.hpp"
 
 namespace thimble {
 namespace {
 
 struct DatasetArguments {
-    std::string folder, out, participant, reason;
+    std::string folder, out, participant, reason, by, column, value;
     std::uint32_t trial = 0;
     int (*run)(const DatasetArguments&) = nullptr;
 };
 
+// By the user of this computer, unless --by says otherwise.
+CorrectionNote note_of(const DatasetArguments& a) {
+    const char* const user = std::getenv("USER");  // NOLINT(concurrency-mt-unsafe): no thread yet
+    return {a.by.empty() && user != nullptr ? user : a.by, a.reason, utc_text(read_clock_pair().realtime_ns)};
+}
+
+int include(const DatasetArguments& a) {
+    include_trial(a.folder, a.participant, a.trial, note_of(a));
+    fmt::print("trial {} of {} counts again: {}\n", a.trial, a.participant, a.reason);
+    return 0;
+}
+
+int correct(const DatasetArguments& a) {
+    correct_person(a.folder, a.participant, a.column, a.value, note_of(a));
+    fmt::print("{} of {} is {} now: {}\n", a.column, a.participant, a.value, a.reason);
+    return 0;
+}
+
 int exclude(const DatasetArguments& a) {
-    exclude_trial(a.folder, a.participant, a.trial, a.reason);
+    exclude_trial(a.folder, a.participant, a.trial, note_of(a));
     fmt::print("trial {} of {} is excluded: {}\n", a.trial, a.participant, a.reason);
     return 0;
 }
@@ -40,22 +61,37 @@ CLI::App* add_dataset_part(CLI::App& dataset, const char* name, const char* what
     return part;
 }
 
+void add_correction_options(CLI::App& part, DatasetArguments& a) {
+    part.add_option("folder", a.folder, "dataset of `thimble run` with a [protocol]")->required();
+    part.add_option("--participant", a.participant, "e.g. P07")->required();
+    part.add_option("--reason", a.reason, "goes into corrections.tsv; no participant's name")->required();
+    part.add_option("--by", a.by, "who decides, for corrections.tsv; else the user of this computer");
+}
+
 }  // namespace
 
 Subcommand add_dataset(CLI::App& app) {
     const auto arguments = std::make_shared<DatasetArguments>();
     DatasetArguments& a = *arguments;
-    CLI::App* dataset =
-        app.add_subcommand("dataset", "participants' data: leave a trial out, or export movements as BIDS");
+    CLI::App* dataset = app.add_subcommand(
+        "dataset", "participants' data: leave a trial out, correct a field, or export movements as BIDS");
     dataset->require_subcommand(1);
     CLI::App* leave_out = add_dataset_part(
         *dataset, "exclude", "leave a participant's trial out of the analysis, and say why", a, exclude);
-    leave_out->add_option("folder", a.folder, "dataset of `thimble run` with a [protocol]")->required();
-    leave_out->add_option("--participant", a.participant, "e.g. P07")->required();
-    leave_out->add_option("--trial", a.trial, "its place in the participant's order (column 'position')")
-        ->check(CLI::Range(1, 1000000))
+    CLI::App* take_back = add_dataset_part(
+        *dataset, "include", "take back that a trial was excluded or rejected, and say why", a, include);
+    CLI::App* person = add_dataset_part(
+        *dataset, "correct", "correct a participant's age, sex, handedness or experience, and say why", a,
+        correct);
+    for (CLI::App* part : {leave_out, take_back, person}) add_correction_options(*part, a);
+    for (CLI::App* part : {leave_out, take_back})
+        part->add_option("--trial", a.trial, "its place in the participant's order (column 'position')")
+            ->check(CLI::Range(1, 1000000))
+            ->required();
+    person->add_option("--column", a.column, "of participants.tsv")
+        ->check(CLI::IsMember({"age", "sex", "handedness", "haptic_experience"}))
         ->required();
-    leave_out->add_option("--reason", a.reason, "goes into exclusions.tsv; no names")->required();
+    person->add_option("--value", a.value, "the right one")->required();
     CLI::App* bids = add_dataset_part(*dataset, "bids",
                                       "a Motion-BIDS dataset of the trajectories of participant sessions, "
                                       "a study or a run (docs/interoperability.md)",
@@ -67,6 +103,9 @@ Subcommand add_dataset(CLI::App& app) {
     dataset->footer(
         "Examples:\n  thimble dataset exclude out/study7 --participant P07 --trial 12 --reason \"phone "
         "rang\"\n"
+        "  thimble dataset include out/study7 --participant P07 --trial 12 --reason \"wrong trial\"\n"
+        "  thimble dataset correct out/study7 --participant P07 --column age --value 32 --reason \"typing "
+        "error\" --by LS\n"
         "  thimble dataset bids out/people --out out/bids\n\n"
         "Exit codes: 0 ok, 1 something could not be written, 2 usage, 5 there is nothing to be read.");
     return {dataset, [arguments] { return arguments->run(*arguments); }};

@@ -68,18 +68,24 @@ void refuse_participant_options(const ParticipantRun& run, const SystemSettings&
 
 void say_participant(const ParticipantSessionResult& result, const std::filesystem::path& out, bool json) {
     const std::string id = participant_id(result.participant);
+    if (!json && result.declined) {
+        fmt::print("{}: did not consent; no trial was run, and nothing of the person is kept\n", id);
+        return;
+    }
     if (!json) {
         fmt::print("{}: {} of {} trials, {} records of which {} repeat another: {}\n", id,
                    result.trials_begun, result.trials_planned, result.records, result.repeats, out.string());
         return;
     }
-    const nlohmann::ordered_json summary{{"participant_id", id},
-                                         {"complete", result.code == ExitCode::kOk && result.problem.empty()},
-                                         {"trials_planned", result.trials_planned},
-                                         {"trials_begun", result.trials_begun},
-                                         {"records", result.records},
-                                         {"repeats", result.repeats},
-                                         {"dataset", out.string()}};
+    const nlohmann::ordered_json summary{
+        {"participant_id", id},
+        {"complete", result.code == ExitCode::kOk && result.problem.empty() && !result.declined},
+        {"consent_declined", result.declined},
+        {"trials_planned", result.trials_planned},
+        {"trials_begun", result.trials_begun},
+        {"records", result.records},
+        {"repeats", result.repeats},
+        {"dataset", out.string()}};
     fmt::print("{}\n", json_text(summary, 2));
 }
 
@@ -87,6 +93,11 @@ int run_participant_for_real(RealRunArguments& arguments, const SystemSettings& 
     if (arguments.run.overwrite) {
         throw Error(ExitCode::kUsage,
                     "a participant's data are never overwritten: name another folder with --out");
+    }
+    if (settings.protocol->blinded && (arguments.monitor || !arguments.plotjuggler.empty())) {
+        throw Error(ExitCode::kUsage,
+                    "[protocol] blinded hides modality and delay from the experimenter, and --monitor and "
+                    "--plotjuggler show them: leave these out, or set blinded = false");
     }
     ParticipantRun& run = arguments.participant;
     run.starter = arguments.run.starter;

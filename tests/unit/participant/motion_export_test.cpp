@@ -2,7 +2,6 @@
 #include "session/participant/motion_export.hpp"
 
 #include <cmath>
-#include <cstdlib>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,6 +13,7 @@
 #include "session/records/trial_table.hpp"
 #include "tests/read_text.hpp"
 #include "tests/refusal.hpp"
+#include "tests/unit/participant/bids_validator.hpp"
 
 namespace thimble {
 namespace {
@@ -104,21 +104,12 @@ TEST_F(MotionBids, WhatFailsLeavesNothingBehind) {
 }
 
 TEST_F(MotionBids, TheirValidatorFindsNoError) {
-    const std::string validator = THIMBLE_SOURCE_DIR "/build/bids_validator/cli-1.15.0.js";
-    if (!std::filesystem::exists(validator))
+    if (bids_validator().empty())
         GTEST_SKIP() << "bids-validator is not installed: deploy/install-bids-validator does that where "
                         "there is npm (package npm)";
     export_motion(study(), bids());
     const auto said = folder_ / "said";
-    const auto judge = [&] {
-        const std::string command = fmt::format(
-            "node -e 'require(\"{}\").default([\"{}\", \"--json\"]).catch(c => process.exit(c))' > '{}' 2> "
-            "'{}.err'",
-            validator, bids().string(), said.string(), said.string());
-        if (std::system(command.c_str()) == -1) return nlohmann::json();  // its exit code counts warnings too
-        return nlohmann::json::parse(read_text(said), nullptr, false);
-    };
-    const auto found = judge();
+    const auto found = judged_by_bids(bids(), said);
     ASSERT_TRUE(found.is_object()) << read_text(said.string() + ".err");
     EXPECT_EQ(found["issues"]["errors"], nlohmann::json::array());
     EXPECT_THAT(found["summary"]["dataTypes"].dump(), HasSubstr("motion"));

@@ -1,0 +1,116 @@
+#include "session/participant/corrections.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/error.hpp"
+#include "session/participant/dataset.hpp"
+#include "session/participant/record_table.hpp"
+#include "session/participant/tsv.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::array<std::string_view, 7> kColumns{"time_utc", "by",    "participant_id", "item",
+                                                   "before",   "after", "reason"};
+
+Dataset dataset_in(const std::filesystem::path& folder) {
+    Dataset dataset(folder);
+    if (dataset.kind()) return dataset;
+    throw Error(ExitCode::kUsage,
+                "{}: is no dataset of participants; name the --out folder of a participant session",
+                folder.string());
+}
+
+std::uint32_t participant_named(const std::string& name) {
+    const auto participant = parse_participant(name);
+    if (!participant) throw Error(ExitCode::kUsage, "{}: is no participant, e.g. P07", name);
+    return *participant;
+}
+
+// The newest record of a trial.
+DatasetRecord record_at(const Dataset& dataset, const std::string& name, std::uint32_t position) {
+    const auto file = dataset.records(participant_named(name));
+    const auto records = read_records(file);
+    const auto last = std::find_if(records.rbegin(), records.rend(),
+                                   [&](const DatasetRecord& record) { return record.position == position; });
+    if (last != records.rend()) return *last;
+    throw Error(ExitCode::kUsage, "{} has no record of trial {}: see column 'position' of {}", name, position,
+                file.string());
+}
+
+void write_note(const Dataset& dataset, std::uint32_t participant, const std::string& item,
+                const std::string& before, const std::string& after, const CorrectionNote& note) {
+    if (tsv_text(note.reason) == kNotAvailable)
+        throw Error(ExitCode::kUsage, "data are changed with a reason only: say why");
+    const std::array<std::string, 7> fields{
+        note.time_utc, tsv_text(note.by),    participant_id(participant), item, before,
+        after,         tsv_text(note.reason)};
+    TsvFile(dataset.corrections(), kColumns).append(fmt::format("{}", fmt::join(fields, "\t")));
+}
+
+void mark(const std::filesystem::path& folder, const std::string& name, std::uint32_t position,
+          ExclusionKind kind, const CorrectionNote& note) {
+    const Dataset dataset = dataset_in(folder);
+    const DatasetRecord record = record_at(dataset, name, position);
+    const std::uint32_t participant = participant_named(name);
+    const auto exclusions = read_exclusions(dataset.exclusions());
+    const Exclusion* there = find_exclusion(exclusions, participant, record.record);
+    const std::string before = there == nullptr ? "included" : to_string(there->kind);
+    if (before == to_string(kind))
+        throw Error(ExitCode::kUsage, "trial {} of {} is {} already{}", position, name, before,
+                    there == nullptr ? "" : ": " + there->reason);
+    write_note(dataset, participant, fmt::format("trial {} (record {})", position, record.record), before,
+               to_string(kind), note);
+    add_exclusion(dataset.exclusions(), {participant, position, record.record, kind, note.reason});
+}
+
+// As the options of thimble run take it.
+std::string checked(const std::string& column, const std::string& value) {
+    using Values = std::vector<std::string>;
+    if (column == "age") return age_text(value);
+    const Values allowed = column == "sex"                 ? Values{"M", "F", "O", "n/a"}
+                           : column == "handedness"        ? Values{"left", "right", "ambidextrous", "n/a"}
+                           : column == "haptic_experience" ? Values{"none", "some", "expert", "n/a"}
+                                                           : Values{};
+    if (allowed.empty())
+        throw Error(ExitCode::kUsage, "{}: can be age, sex, handedness or haptic_experience", column);
+    if (std::find(allowed.begin(), allowed.end(), value) != allowed.end()) return value;
+    throw Error(ExitCode::kUsage, "{} {}: must be {}", column, value, fmt::join(allowed, ", "));
+}
+
+}  // namespace
+
+void exclude_trial(const std::filesystem::path& folder, const std::string& name, std::uint32_t position,
+                   const CorrectionNote& note) {
+    mark(folder, name, position, ExclusionKind::kExcluded, note);
+}
+
+void include_trial(const std::filesystem::path& folder, const std::string& name, std::uint32_t position,
+                   const CorrectionNote& note) {
+    mark(folder, name, position, ExclusionKind::kIncluded, note);
+}
+
+void correct_person(const std::filesystem::path& folder, const std::string& name, const std::string& column,
+                    const std::string& given, const CorrectionNote& note) {
+    const Dataset dataset = dataset_in(folder);
+    const std::uint32_t participant = participant_named(name);
+    const std::string value = checked(column, given);
+    const std::string before = person_field(dataset, participant, column);
+    if (before == value) throw Error(ExitCode::kUsage, "{} of {} is {} already", column, name, value);
+    write_note(dataset, participant, column, before, value, note);
+    set_person_field(dataset, participant, column, value);
+}
+
+std::size_t count_corrections(const std::filesystem::path& file) {
+    std::size_t lines = 0;
+    if (!is_table(file)) return lines;
+    CsvReader reader(file, kColumns, '\t');
+    while (reader.next()) ++lines;
+    return lines;
+}
+
+}  // namespace thimble

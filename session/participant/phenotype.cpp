@@ -1,0 +1,162 @@
+#include "session/participant/phenotype.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "common/json_text.hpp"
+#include "common/text_file.hpp"
+#include "session/participant/tsv.hpp"
+
+namespace thimble {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Columns = std::vector<std::string>;
+using Line = std::vector<std::string>;  // the participant first
+
+// A table that is small and replaced as a whole: a reader finds the old one or the new one.
+class PersonTable {
+  public:
+    PersonTable(const Dataset& dataset, std::string_view name, Columns columns)
+        : file_(dataset.folder() / "phenotype" / fmt::format("{}.tsv", name)), columns_(std::move(columns)) {
+        if (!is_table(file_)) return;
+        const std::vector<std::string_view> names(columns_.begin(), columns_.end());
+        CsvReader reader(file_, names, '\t');
+        while (reader.next()) {
+            read_participant(reader.field(0));
+            Line& line = lines_.emplace_back();
+            for (std::size_t i = 0; i < names.size(); ++i) line.emplace_back(reader.field(i).text);
+        }
+    }
+
+    // Null if the participant has none.
+    Line* find(std::uint32_t participant) {
+        const auto found = std::find_if(lines_.begin(), lines_.end(), [&](const Line& line) {
+            return parse_participant(line[0]) == participant;
+        });
+        return found == lines_.end() ? nullptr : &*found;
+    }
+    // With "n/a" wherever nothing is known.
+    Line& line_of(std::uint32_t participant) {
+        if (Line* const there = find(participant)) return *there;
+        Line line(columns_.size(), std::string(kNotAvailable));
+        line[0] = participant_id(participant);
+        return lines_.emplace_back(std::move(line));
+    }
+    // Explained by `meanings`, in the words of the first one who answers: the answers mean the same in each language.
+    void write(const Json& meanings) const {
+        make_folder(file_.parent_path());
+        auto beside = file_;
+        beside.replace_extension(".json");
+        std::error_code absent;
+        if (!std::filesystem::exists(beside, absent)) write_whole(beside, json_text(meanings, 2) + '\n');
+        std::string text = fmt::format("{}\n", fmt::join(columns_, "\t"));
+        for (const Line& line : lines_) text += fmt::format("{}\n", fmt::join(line, "\t"));
+        write_whole(file_, text);
+    }
+
+  private:
+    std::filesystem::path file_;
+    Columns columns_;
+    std::vector<Line> lines_;
+};
+
+constexpr std::size_t kTime = 1, kFirstAnswer = 2;
+
+PersonTable table_of(const Dataset& dataset, const Questionnaire& form, std::uint32_t block) {
+    Columns columns{"participant_id", "time_utc"};
+    for (const Question& question : form.questions) columns.push_back(question.id);
+    const bool blocks = form.when == AskedWhen::kBlock;
+    return {dataset, blocks ? fmt::format("{}_block{}", form.name, block) : form.name, std::move(columns)};
+}
+
+PersonTable consent_table(const Dataset& dataset) {
+    return {dataset, "consent", {"participant_id", "time_utc", "consent", "version"}};
+}
+
+Json meaning_of(const Question& q) {
+    Json json{{"Description", q.text}};
+    for (std::size_t i = 0; i < q.choices.size(); ++i) json["Levels"][std::to_string(i + 1)] = q.choices[i];
+    if (q.low.empty() && q.high.empty()) return json;
+    json["Levels"][fmt::format("{}", q.from)] = q.low;
+    json["Levels"][fmt::format("{}", q.to)] = q.high;
+    return json;
+}
+
+Json meanings_of(const Questionnaire& form) {
+    const std::string& about = form.description.empty() ? form.name : form.description;
+    Json json{{"MeasurementToolMetadata", {{"Description", about}}},
+              {"time_utc", {{"Description", "When the last question was answered"}}}};
+    for (const Question& question : form.questions) json[question.id] = meaning_of(question);
+    return json;
+}
+
+Json meanings_of(const ConsentPage& page) {
+    return {{"MeasurementToolMetadata", {{"Description", "Informed consent, given at the screen"}}},
+            {"time_utc", {{"Description", "When the participant agreed"}}},
+            {"consent", {{"Description", "The answer"}, {"Levels", {{"yes", page.agree}}}}},
+            {"version", {{"Description", "Of the text that the participant read"}}}};
+}
+
+}  // namespace
+
+void open_phenotype(const Dataset& dataset, const PageSet& pages, std::uint32_t blocks) {
+    const auto people = read_participants(dataset);
+    const auto open = [&people](PersonTable table, const Json& meanings) {
+        for (const std::uint32_t participant : people) table.line_of(participant);
+        table.write(meanings);
+    };
+    if (pages.consent) open(consent_table(dataset), meanings_of(*pages.consent));
+    for (const Questionnaire& form : pages.questionnaires) {
+        const std::uint32_t tables = form.when == AskedWhen::kBlock ? blocks : 1;
+        for (std::uint32_t block = 1; block <= tables; ++block)
+            open(table_of(dataset, form, block), meanings_of(form));
+    }
+}
+
+void write_answers(const Dataset& dataset, const Questionnaire& form, const FilledForm& filled) {
+    PersonTable table = table_of(dataset, form, filled.block);
+    Line& line = table.line_of(filled.participant);
+    line[kTime] = filled.time_utc;
+    for (std::size_t i = 0; i < filled.answers.size(); ++i)
+        if (filled.answers[i]) line[kFirstAnswer + i] = fmt::format("{}", *filled.answers[i]);
+    table.write(meanings_of(form));
+}
+
+void write_consent(const Dataset& dataset, const ConsentPage& page, std::uint32_t participant,
+                   const std::string& time_utc) {
+    PersonTable table = consent_table(dataset);
+    table.line_of(participant) = {participant_id(participant), time_utc, "yes", tsv_text(page.version)};
+    table.write(meanings_of(page));
+}
+
+bool is_filled(const Dataset& dataset, const Questionnaire& form, std::uint32_t participant,
+               std::uint32_t block) {
+    PersonTable table = table_of(dataset, form, block);
+    const Line* const line = table.find(participant);
+    return line != nullptr && (*line)[kTime] != kNotAvailable;
+}
+
+bool has_consented(const Dataset& dataset, const ConsentPage& page, std::uint32_t participant) {
+    PersonTable table = consent_table(dataset);
+    const Line* const line = table.find(participant);
+    return line != nullptr && line->back() == tsv_text(page.version);
+}
+
+std::string utc_text(std::int64_t realtime_ns) {
+    using namespace std::chrono;
+    const sys_seconds time{floor<seconds>(nanoseconds{realtime_ns})};
+    const auto day = floor<days>(time);
+    const year_month_day date{day};
+    const hh_mm_ss clock{time - day};
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", static_cast<int>(date.year()),
+                       static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                       clock.hours().count(), clock.minutes().count(), clock.seconds().count());
+}
+
+}  // namespace thimble

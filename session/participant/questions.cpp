@@ -1,0 +1,93 @@
+#include "session/participant/questions.hpp"
+
+#include <fmt/format.h>
+
+#include "session/participant/participant_session.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Duration kAnswerLook = std::chrono::milliseconds{20};  // for an answer, a line, a stop
+constexpr const char* kHelp =
+    "the participant answers at the screen; s: leave this question out; q: stop here";
+
+// The experimenter has typed this; kAnswered: the question goes on.
+Asked obey(const Asker& asker, const std::string& line) {
+    if (line == "q") return Asked::kStopped;
+    if (line == "s") return Asked::kLeftOut;
+    asker.say(kHelp);
+    return Asked::kAnswered;
+}
+
+// A block's end: its last trial is over, and no repeat of it is left.
+bool ends_block(const Agenda& agenda, const std::optional<Step>& step) {
+    if (agenda.records.empty() || agenda.records.back().block == 0) return false;
+    return !step || step->entry.block != agenda.records.back().block;
+}
+
+}  // namespace
+
+Asked ask_question(const Asker& asker, std::uint32_t number, const Question& question, double& value) {
+    Page page;
+    page.kind = PageKind::kQuestion;
+    page.trial = number;
+    for (;;) {
+        asker.runner.show(page);
+        asker.runner.idle(kAnswerLook);
+        if (asker.stop != nullptr && *asker.stop) return Asked::kStopped;
+        const auto answer = asker.runner.take_answer();
+        if (answer && question.accepts(*answer)) {
+            value = *answer;
+            return Asked::kAnswered;
+        }
+        const auto line = asker.lines == nullptr ? std::nullopt : asker.lines->take_line();
+        const Asked obeyed = line ? obey(asker, *line) : Asked::kAnswered;
+        if (obeyed != Asked::kAnswered) return obeyed;
+    }
+}
+
+std::optional<std::vector<std::optional<double>>> ask_questionnaire(const Asker& asker, const PageSet& pages,
+                                                                    std::size_t questionnaire) {
+    const Questionnaire& form = pages.questionnaires[questionnaire];
+    asker.say(fmt::format("questionnaire {}, {} questions: {}", form.name, form.questions.size(), kHelp));
+    std::vector<std::optional<double>> answers;
+    answers.reserve(form.questions.size());
+    std::uint32_t number = pages.first_number(questionnaire);
+    for (const Question& question : form.questions) {
+        double value = 0;
+        const Asked asked = ask_question(asker, number++, question, value);
+        if (asked == Asked::kStopped) return std::nullopt;
+        answers.push_back(asked == Asked::kAnswered ? std::optional{value} : std::nullopt);
+    }
+    return answers;
+}
+
+Consent ask_consent(const Asker& asker, const ConsentPage& page) {
+    asker.say(fmt::format("consent, version {}: the participant answers at the screen; q: stop here",
+                          page.version));
+    Question question;
+    question.from = 1;
+    question.to = 2;
+    double answer = 0;
+    for (;;) {
+        const Asked asked = ask_question(asker, 1, question, answer);
+        if (asked == Asked::kStopped) return Consent::kStopped;
+        if (asked == Asked::kLeftOut) continue;  // an experimenter cannot consent for a participant
+        return answer == ConsentPage::kAgreed ? Consent::kGiven : Consent::kDeclined;
+    }
+}
+
+std::optional<std::size_t> due_questionnaire(const Dataset& dataset, const PageSet& pages,
+                                             const Agenda& agenda, const std::optional<Step>& step,
+                                             std::uint32_t& block) {
+    for (std::size_t i = 0; i < pages.questionnaires.size(); ++i) {
+        const Questionnaire& form = pages.questionnaires[i];
+        const bool starts = form.when == AskedWhen::kStart;
+        const bool due = starts || (form.when == AskedWhen::kBlock ? ends_block(agenda, step) : !step);
+        block = starts || agenda.records.empty() ? 0 : agenda.records.back().block;
+        if (due && !is_filled(dataset, form, agenda.participant, block)) return i;
+    }
+    return std::nullopt;
+}
+
+}  // namespace thimble

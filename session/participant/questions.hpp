@@ -1,0 +1,44 @@
+// Asks a participant questions at the screen, one after another, and waits for the answers.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "session/participant/agenda.hpp"
+#include "session/participant/phenotype.hpp"
+#include "session/participant/prompt.hpp"
+
+namespace thimble {
+
+class TrialRunner;
+
+// Everything that a question needs; all of it outlives the asking.
+struct Asker {
+    TrialRunner& runner;
+    LineSource* lines;  // the experimenter leaves a question out or stops; null: no experimenter
+    const std::atomic<bool>* stop;
+    const std::function<void(const std::string&)>& say;
+};
+
+enum class Asked { kAnswered, kLeftOut, kStopped };
+
+// `number` as in PageSet::shown(). `value` gets the answer.
+Asked ask_question(const Asker& asker, std::uint32_t number, const Question& question, double& value);
+
+// Nothing if it was stopped: then no answer is kept, and the questionnaire comes again.
+std::optional<std::vector<std::optional<double>>> ask_questionnaire(const Asker& asker, const PageSet& pages,
+                                                                    std::size_t questionnaire);
+
+enum class Consent { kGiven, kDeclined, kStopped };
+Consent ask_consent(const Asker& asker, const ConsentPage& page);
+
+// Which questionnaire is to be answered before this step; nothing for `step`: after the last trial. `block` gets the block that it is
+// about.
+std::optional<std::size_t> due_questionnaire(const Dataset& dataset, const PageSet& pages,
+                                             const Agenda& agenda, const std::optional<Step>& step,
+                                             std::uint32_t& block);
+
+}  // namespace thimble

@@ -1,0 +1,238 @@
+// Consent, questionnaires, attention trials and corrections of a participant session, with trials that are over at once.
+#include "session/participant/questions.hpp"
+
+#include <deque>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "session/participant/corrections.hpp"
+#include "session/participant/counted_trials.hpp"
+#include "session/participant/participant_session.hpp"
+#include "tests/refusal.hpp"
+#include "tests/unit/participant/bids_validator.hpp"
+#include "tests/unit/participant/short_sessions.hpp"
+#include "tests/unit/participant/written_lines.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kPages =
+    "[consent]\nversion = 'v2'\ntext = 'You take part.'\nagree = 'yes'\ndecline = 'no'\n"
+    "[[questionnaire]]\nname = 'about'\nwhen = 'start'\n"
+    "[[questionnaire.question]]\nid = 'age'\ntext = 'How old?'\nkind = 'number'\n"
+    "[[questionnaire]]\nname = 'load'\n"
+    "[[questionnaire.question]]\nid = 'effort'\ntext = 'How hard?'\nstep = 5\nlow = 'little'\nhigh = 'much'\n"
+    "[[questionnaire.question]]\nid = 'hand'\ntext = 'Which?'\nkind = 'choice'\nchoices = ['left', 'right']\n"
+    "[[questionnaire]]\nname = 'end'\nwhen = 'end'\n"
+    "[[questionnaire.question]]\nid = 'good'\ntext = 'Good?'\nkind = 'likert'\n";
+
+// A participant who gives the next of `answers` to each question.
+class AnsweredTrials final : public TrialRunner {
+  public:
+    void prepare() override {}
+    std::uint32_t last_number() const override { return 0; }
+    TrialRecord run(const TrialConditions& conditions, std::uint32_t, const std::filesystem::path&) override {
+        events.push_back(fmt::format("trial {}", conditions.trial));
+        TrialRecord record = sine_record(0.003, 0.001, 4);
+        record.conditions = conditions;
+        clock += std::chrono::seconds{10};
+        return record;
+    }
+    void show(const Page& page) override {
+        if (page.kind == PageKind::kQuestion && page.trial != asked)
+            events.push_back(fmt::format("question {}", page.trial));
+        asked = page.kind == PageKind::kQuestion ? page.trial : 0;
+    }
+    bool take_go_on() override { return false; }
+    std::optional<double> take_answer() override {
+        if (answers.empty()) return std::nullopt;
+        const double answer = answers.front();
+        answers.pop_front();
+        return answer;
+    }
+    void idle(Duration limit) override { clock += limit; }
+    SessionTime now() const override { return clock; }
+    std::string problem() const override { return {}; }
+
+    std::deque<double> answers;
+    std::vector<std::string> events;
+    std::uint32_t asked = 0;
+    SessionTime clock{};
+};
+
+class Questions : public testing::Test {
+  protected:
+    Questions() {
+        const ConfigFile file = ConfigFile::parse(kPages, "pages.toml");
+        file.read_all([&] { pages_ = read_page_set(file); });
+    }
+
+    ParticipantSessionResult run(const std::string& more = "", LineSource* lines = nullptr) {
+        const SystemSettings settings = short_settings(more);
+        if (!is_table(dataset_.order(2))) {
+            dataset_.open(SubjectKind::kHuman, settings.dataset);
+            write_order(dataset_.order(2), plan_order(settings, 2));
+            add_participant(dataset_, 2, SubjectKind::kHuman, {});
+        }
+        ParticipantSessionOptions options{
+            dataset_, 2, *settings.protocol, nullptr, false, nullptr, [this](const std::string& line) {
+                said_.push_back(line);
+            }};
+        options.lines = lines;
+        options.pages = &pages_;
+        options.realtime_ns = [] { return std::int64_t{1'764'109'807'000'000'000}; };
+        return ParticipantSession(std::move(options), trials_).run();
+    }
+    std::string phenotype(const std::string& file) const {
+        return read_text(dataset_.folder() / "phenotype" / file);
+    }
+
+    TemporaryDirectory directory_;
+    Dataset dataset_{directory_ / "d"};
+    PageSet pages_;
+    AnsweredTrials trials_;
+    std::vector<std::string> said_;
+};
+
+TEST_F(Questions, StandBeforeBetweenAndAfterBlocks) {
+    trials_.answers = {31, 45, 2, 50, 1, 7};
+    EXPECT_EQ(run().code, ExitCode::kOk);
+    EXPECT_THAT(trials_.events,
+                ElementsAre("question 2", "trial 1001", "trial 1", "trial 2", "question 3", "question 4",
+                            "trial 3", "trial 4", "question 3", "question 4", "question 5"));
+    EXPECT_EQ(phenotype("about.tsv"), "participant_id\ttime_utc\tage\nsub-02\t2025-11-25T22:30:07Z\t31\n");
+    EXPECT_THAT(phenotype("load_block1.tsv"), HasSubstr("sub-02\t2025-11-25T22:30:07Z\t45\t2\n"));
+    EXPECT_THAT(phenotype("load_block2.tsv"), HasSubstr("\t50\t1\n"));
+    EXPECT_THAT(phenotype("end.tsv"), HasSubstr("\t7\n"));
+    EXPECT_THAT(phenotype("load_block1.json"), AllOf(HasSubstr("How hard?"), HasSubstr("\"1\": \"left\"")));
+    trials_.events.clear();
+    EXPECT_EQ(run().code, ExitCode::kOk);
+    EXPECT_TRUE(trials_.events.empty()) << "nothing is asked twice";
+}
+
+TEST_F(Questions, AnAnswerThatTheQuestionHasNotIsNotTaken) {
+    trials_.answers = {-4, 31.5, 31, 47, 45, 3, 2, 50, 1, 0, 7};
+    run();
+    EXPECT_THAT(phenotype("about.tsv"), HasSubstr("\t31\n"));
+    EXPECT_THAT(phenotype("load_block1.tsv"), HasSubstr("\t45\t2\n"));
+}
+
+TEST_F(Questions, TheExperimenterLeavesOneOutOrStops) {
+    WrittenLines stops({"what?", "s", "", "", "", "q"});
+    const auto stopped = run("", &stops);
+    EXPECT_NE(stopped.code, ExitCode::kOk);
+    EXPECT_THAT(phenotype("about.tsv"), HasSubstr("\tn/a\n"));
+    EXPECT_THAT(said_, Contains(HasSubstr("s: leave this question out")));
+    EXPECT_EQ(phenotype("load_block1.tsv"),
+              "participant_id\ttime_utc\teffort\thand\nsub-02\tn/a\tn/a\tn/a\n");
+    trials_.events.clear();
+    trials_.answers = {45, 2, 50, 1, 7};
+    run();
+    EXPECT_EQ(trials_.events.front(), "question 3") << "the questionnaire that was cut comes again";
+}
+
+TEST_F(Questions, ConsentHasAVersionAndATime) {
+    const std::function<void(const std::string&)> say = [](const std::string&) {};
+    trials_.answers = {3, 2};
+    EXPECT_EQ(ask_consent({trials_, nullptr, nullptr, say}, *pages_.consent), Consent::kDeclined);
+    trials_.answers = {1};
+    EXPECT_EQ(ask_consent({trials_, nullptr, nullptr, say}, *pages_.consent), Consent::kGiven);
+    WrittenLines lines({"s", "q"});
+    EXPECT_EQ(ask_consent({trials_, &lines, nullptr, say}, *pages_.consent), Consent::kStopped);
+    EXPECT_FALSE(has_consented(dataset_, *pages_.consent, 2));
+    write_consent(dataset_, *pages_.consent, 2, utc_text(1'764'109'807'000'000'000));
+    EXPECT_TRUE(has_consented(dataset_, *pages_.consent, 2));
+    EXPECT_FALSE(has_consented(dataset_, *pages_.consent, 3));
+    EXPECT_EQ(phenotype("consent.tsv"),
+              "participant_id\ttime_utc\tconsent\tversion\nsub-02\t2025-11-25T22:30:07Z\tyes\tv2\n");
+    pages_.consent->version = "v3";
+    EXPECT_FALSE(has_consented(dataset_, *pages_.consent, 2)) << "another text";
+}
+
+TEST_F(Questions, AttentionTrialsAreFlaggedAndNotAnalysed) {
+    pages_ = {};
+    run("attention_every = 3\nattention_limit_s = 1\n");
+    EXPECT_THAT(trials_.events,
+                ElementsAre("trial 1001", "trial 1", "trial 2", "trial 3", "trial 2001", "trial 4"));
+    EXPECT_THAT(said_, Contains("attention trial 5: failed"));
+    const CountedTrials counted = counted_trials(dataset_);
+    EXPECT_EQ(counted.rows.size(), 4U);
+    EXPECT_EQ(counted.missing, 0U);
+    EXPECT_THAT(describe(counted), AllOf(Contains("left out: 1 attention trials"),
+                                         Contains("attention: sub-02 passed 0 of 1 trials, not 5")));
+    const auto results = read_attention(dataset_.attention());
+    ASSERT_EQ(results.size(), 1U);
+    AttentionResult again = results[0];
+    again.passed = true;
+    add_attention(dataset_.attention(), again);
+    EXPECT_THAT(describe(counted_trials(dataset_)), Contains("attention: sub-02 passed 1 of 1 trials"));
+}
+
+TEST_F(Questions, ABlindedTerminalNamesNeitherModalityNorResult) {
+    pages_ = {};
+    run("blinded = true\n");
+    for (const std::string& line : said_)
+        EXPECT_THAT(line, AllOf(Not(HasSubstr("HF")), Not(HasSubstr("CF")), Not(HasSubstr("penetration")),
+                                Not(HasSubstr("experiment"))));
+    EXPECT_THAT(said_, Contains(HasSubstr("trial 1 of 5 (practice): completed")));
+    EXPECT_THAT(said_, Contains(HasSubstr("trial 2 of 5: completed")));
+}
+
+TEST_F(Questions, CorrectionsLeaveALineAndTheAnalysisHonoursThem) {
+    pages_ = {};
+    run();
+    const CorrectionNote note{"LS", "phone rang", "2026-11-25T10:00:00Z"};
+    const auto counted = [&] { return counted_trials(dataset_).rows.size(); };
+    EXPECT_EQ(counted(), 4U);
+    exclude_trial(dataset_.folder(), "P02", 3, note);
+    EXPECT_EQ(counted(), 3U);
+    const auto twice = [&] { exclude_trial(dataset_.folder(), "P02", 3, note); };
+    EXPECT_THAT(refusal(twice, ExitCode::kUsage), HasSubstr("is excluded already: phone rang"));
+    include_trial(dataset_.folder(), "P02", 3, {"LS", "wrong trial", "2026-11-25T10:01:00Z"});
+    EXPECT_EQ(counted(), 4U);
+    correct_person(dataset_.folder(), "P02", "age", "92", note);
+    EXPECT_EQ(person_field(dataset_, 2, "age"), "89+");
+    EXPECT_EQ(read_text(dataset_.corrections()),
+              "time_utc\tby\tparticipant_id\titem\tbefore\tafter\treason\n"
+              "2026-11-25T10:00:00Z\tLS\tsub-02\ttrial 3 (record 3)\tincluded\texcluded\tphone rang\n"
+              "2026-11-25T10:01:00Z\tLS\tsub-02\ttrial 3 (record 3)\texcluded\tincluded\twrong trial\n"
+              "2026-11-25T10:00:00Z\tLS\tsub-02\tage\tn/a\t89+\tphone rang\n");
+    EXPECT_THAT(describe(counted_trials(dataset_)),
+                Contains(HasSubstr("corrected after the sessions: 3 times")));
+    for (const auto& wrong : {std::pair{"consent", "yes"}, std::pair{"sex", "x"}, std::pair{"age", "0"}}) {
+        const auto change = [&] {
+            correct_person(dataset_.folder(), "P02", wrong.first, wrong.second, note);
+        };
+        EXPECT_FALSE(refusal(change, ExitCode::kUsage).empty());
+    }
+    const auto silent = [&] { exclude_trial(dataset_.folder(), "P02", 2, {"LS", " ", ""}); };
+    EXPECT_THAT(refusal(silent, ExitCode::kUsage), HasSubstr("say why"));
+}
+
+// npm's bids-validator over a whole dataset with consent, questionnaires, attention trials and a correction.
+TEST_F(Questions, BidsValidatorFindsNoErrorInADatasetWithAnswers) {
+    if (bids_validator().empty())
+        GTEST_SKIP() << "bids-validator is not installed: deploy/install-bids-validator does that where "
+                        "there is npm (package npm)";
+    trials_.answers = {31, 45, 2, 50, 1, 7};
+    run("attention_every = 3\n[dataset]\nauthors = ['Somebody']\nlicense = 'CC0'\n");
+    write_consent(dataset_, *pages_.consent, 2, utc_text(1'764'109'807'000'000'000));
+    correct_person(dataset_.folder(), "P02", "age", "32", {"LS", "typing error", "2026-11-25T10:00:00Z"});
+    // This participant came before there were questionnaires.
+    add_participant(dataset_, 1, SubjectKind::kHuman, {});
+    RecordTable(dataset_.records(1));
+    open_phenotype(dataset_, pages_, 2);
+    const auto found = judged_by_bids(dataset_.folder(), directory_ / "said");
+    ASSERT_TRUE(found.is_object()) << read_text(directory_ / "said.err");
+    EXPECT_EQ(found["issues"]["errors"], nlohmann::json::array());
+}
+
+}  // namespace
+}  // namespace thimble
