@@ -18,6 +18,8 @@
 #include "session/virtual/energy_demand.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"
+#include "thimble/doctor/checks.hpp"
+#include "thimble/doctor/facts.hpp"
 
 namespace thimble {
 namespace {
@@ -62,6 +64,24 @@ void say(const char* command, const std::function<std::string()>& text) {
     }
 }
 
+// The file is good; whether this machine suits a person's session is another question, which thimble doctor answers by its exit code.
+void say_for_person(const SystemSettings& settings) {
+    Facts facts;
+    gather_session(ConfigFile::load(settings.file), settings, facts.session);
+    facts.devices = gather_devices("/");
+    facts.screen = gather_screen();
+    facts.sound = gather_sound();
+    for (const Diagnosis& finding : examine_for_person(facts))
+        if (finding.severity >= Severity::kWarning)
+            fmt::print("this machine: {}: {}: {}\n", to_string(finding.severity), finding.name, finding.says);
+    const bool delayed = settings.plan.delays != std::vector{Duration{0}};
+    if (delayed && settings.protocol && settings.protocol->repeat_timeouts)
+        spdlog::warn(
+            "[protocol] repeat_timeouts = true repeats the trials that oscillate to the end of their time, "
+            "and "
+            "so selects trials: with a delay, set it to false");
+}
+
 int check_config(const std::string& config) {
     const SystemSettings settings = load_system_settings(config);
     check_build(settings);
@@ -71,6 +91,7 @@ int check_config(const std::string& config) {
     fmt::print("{}: good\n{}\n", config, conditions_text(settings.plan));
     say("run", [&] { return run_text(settings); });
     say("study", [&] { return study_text(settings, paper); });
+    if (settings.plan.kind == SubjectKind::kHuman) say_for_person(settings);
     return 0;
 }
 

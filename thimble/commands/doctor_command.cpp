@@ -51,9 +51,7 @@ ConfigFile read_session(const DoctorArguments& arguments, SystemSettings& settin
     } catch (const Error& error) {
         facts.problem = error.what();
     }
-    file.table("handle").read("device", facts.handle, "");
-    file.table("cutaneous").read("device", facts.fingertip, "");
-    facts.window = settings.visual.window;
+    gather_session(file, settings, facts);
     facts.energy = energy_warning(settings);
     return file;
 }

@@ -57,10 +57,13 @@ Diagnosis check_clock(const Facts& facts);
 // Devices.
 Diagnosis check_handle(const Facts& facts);
 Diagnosis check_fingertip(const Facts& facts);
+Diagnosis check_device_software(const Facts& facts);
 Diagnosis check_can(const Facts& facts);
 Diagnosis check_screen(const Facts& facts);
 Diagnosis check_sound(const Facts& facts);
 
+// A person's session needs these of this machine: handle, fingertip, their software, screen, sound.
+std::vector<Diagnosis> examine_for_person(const Facts& facts);
 // All of them, in the order in which they are best mended.
 std::vector<Diagnosis> examine(const Facts& facts);
 

@@ -75,6 +75,11 @@ Diagnosis check_handle(const Facts& facts) {
     Diagnosis finding{"handle"};
     finding.says =
         fmt::format("[handle] device = \"{}\"; plugged in: {}", facts.session.handle, list_of(found));
+    if (facts.session.human && facts.session.handle == "simulated") {
+        return finding.adds(Severity::kNote,
+                            "; a person needs device = \"pointer\" or \"keyboard\", a real one, or nodes "
+                            "that run already (--attach)");
+    }
     return judge_devices(facts.devices, found, use.has_value(), std::move(finding));
 }
 
@@ -83,7 +88,20 @@ Diagnosis check_fingertip(const Facts& facts) {
     const auto found = devices_for(facts.devices, std::nullopt, true);
     Diagnosis finding{"fingertip"};
     finding.says = fmt::format("[cutaneous] device = \"{}\"; boards plugged in: {}", device, list_of(found));
+    if (facts.session.human && !facts.session.cutaneous_drawn)
+        return finding.adds(Severity::kWarning,
+                            "; nothing shows CF and CCF to a person: set [visual] fingertip = true");
     return judge_devices(facts.devices, found, device == "board", std::move(finding));
+}
+
+Diagnosis check_device_software(const Facts& facts) {
+    Diagnosis finding{"device driver"};
+    const std::string& problem = facts.session.software_problem;
+    if (!problem.empty())
+        return finding.is(
+            Severity::kFault, problem,
+            facts.session.handle == "falcon" ? "sha256sum FIRMWARE" : "export FDSDK=/path/to/the/sdk");
+    return finding.is(Severity::kOk, "the handle of this session needs no SDK and no firmware, or has it");
 }
 
 Diagnosis check_can(const Facts& facts) {
@@ -118,7 +136,8 @@ Diagnosis check_can(const Facts& facts) {
 Diagnosis check_screen(const Facts& facts) {
     const ScreenFacts& screen = facts.screen;
     Diagnosis finding{"OpenGL", ExitCode::kUsage};
-    const Severity lacking = facts.session.window ? Severity::kFault : Severity::kNote;
+    const bool wanted = facts.session.window || facts.session.human;
+    const Severity lacking = wanted ? Severity::kFault : Severity::kNote;
     if (!screen.built) {
         return finding.is(lacking, "this build has no windows (THIMBLE_GUI is off); thimble play needs them",
                           "cmake --preset release -DTHIMBLE_GUI=ON && cmake --build --preset release");
@@ -136,11 +155,16 @@ Diagnosis check_screen(const Facts& facts) {
 }
 
 Diagnosis check_sound(const Facts& facts) {
-    Diagnosis finding{"sound"};
-    if (!facts.sound.built)
-        return finding.is(Severity::kNote, "this build has no sound (THIMBLE_GUI or THIMBLE_AUDIO is off)");
-    if (facts.sound.problem.empty()) return finding.is(Severity::kOk, "a device for the beep was opened");
-    return finding.is(Severity::kNote, "the beep is shown only: " + facts.sound.problem, "aplay -l");
+    Diagnosis finding{"sound", ExitCode::kUsage};
+    if (facts.sound.built && facts.sound.problem.empty())
+        return finding.is(Severity::kOk, "a device for the beep was opened");
+    finding.says = facts.sound.built ? "the beep is shown only: " + facts.sound.problem
+                                     : "this build has no sound (THIMBLE_GUI or THIMBLE_AUDIO is off)";
+    if (!facts.session.human || facts.session.beep_shown)
+        return finding.adds(Severity::kNote, "", facts.sound.built ? "aplay -l" : "");
+    return finding.adds(
+        Severity::kFault,
+        "; a person is to hear it. If all are to see it, set [visual] beep_shown = \"always\"", "aplay -l");
 }
 
 }  // namespace thimble

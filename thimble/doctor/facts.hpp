@@ -12,6 +12,8 @@
 
 namespace thimble {
 
+struct SystemSettings;
+
 struct SessionFacts {
     std::string file;     // as given; empty: the defaults
     std::string problem;  // why it cannot be read; empty: it can
@@ -19,6 +21,11 @@ struct SessionFacts {
     std::string handle = "simulated", fingertip = "simulated";  // [handle] device, [cutaneous] device
     bool window = false;                                        // [visual] display
     std::string energy{};                                       // energy_warning()
+    bool human = false;                                         // [session] subject
+    bool beep_shown = false;                                    // [visual] beep_shown = "always"
+    bool cutaneous_drawn =
+        true;  // CF and CCF reach a person: by a device, as a picture, or the session has neither
+    std::string software_problem{};  // of the handle: its SDK or its firmware cannot be used
 };
 
 struct RealtimeFacts {
@@ -147,6 +154,8 @@ ClockFacts gather_clock();
 PortFacts gather_ports(std::uint16_t base_port, unsigned conditions);
 // Starts each node of `folder` with --version.
 ProgramFacts gather_programs(const std::filesystem::path& folder);
+// The facts of a session file. It loads the handle's SDK and reads its firmware.
+void gather_session(const ConfigFile& file, const SystemSettings& settings, SessionFacts& facts);
 ScreenFacts gather_screen();
 SoundFacts gather_sound();
 

@@ -18,9 +18,12 @@
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
 #include "common/version.hpp"
+#include "master/devices/force_dimension/dhd_library.hpp"
 #include "session/clocks/chrony.hpp"
 #include "session/launch/node_kinds.hpp"
+#include "session/settings/system_settings.hpp"
 #include "thimble/doctor/facts.hpp"
 
 namespace thimble {
@@ -168,6 +171,46 @@ ProgramFacts gather_programs(const fs::path& folder) {
     facts.gnuplot = version_line("gnuplot", "--version");
     facts.system = system_name();
     return facts;
+}
+
+namespace {
+
+// Empty: the handle has what it needs, or needs nothing.
+std::string software_problem(const HandleSettings& handle) {
+    const std::string& firmware = handle.falcon.firmware;
+    if (handle.kind == HandleKind::kFalcon && !firmware.empty()) {
+        const std::string sum = sha256_of_file(firmware);
+        if (sum.empty()) return fmt::format("[handle.falcon] firmware: {} cannot be read", firmware);
+        if (sum != handle.falcon.firmware_sha256)
+            return fmt::format("[handle.falcon] firmware: {} has the SHA-256 {}, not the one of the session",
+                               firmware, sum);
+    }
+    if (handle.kind != HandleKind::kForceDimension) return "";
+    try {
+        const DhdLibrary sdk(handle.force_dimension.library);
+    } catch (const Error& error) {
+        std::string words = error.what();
+        std::replace(words.begin(), words.end(), '\n', ' ');
+        return words;
+    }
+    return "";
+}
+
+}  // namespace
+
+void gather_session(const ConfigFile& file, const SystemSettings& settings, SessionFacts& facts) {
+    file.table("handle").read("device", facts.handle, "");
+    file.table("cutaneous").read("device", facts.fingertip, "");
+    facts.window = settings.visual.window;
+    facts.human = settings.plan.kind == SubjectKind::kHuman;
+    facts.beep_shown = settings.visual.beep_shown == BeepShown::kAlways;
+    const auto& modalities = settings.plan.modalities;
+    const bool cutaneous = std::any_of(modalities.begin(), modalities.end(), [](Modality modality) {
+        return modality == Modality::kCF || modality == Modality::kCCF;
+    });
+    facts.cutaneous_drawn =
+        !cutaneous || settings.visual.fingertip || settings.cutaneous.device != FingertipDevice::kSimulated;
+    facts.software_problem = software_problem(settings.handle);
 }
 
 std::string dropping_chain(const std::string& ruleset) {

@@ -216,6 +216,33 @@ TEST(DoctorChecks, AScreenIsAFaultOnlyWhereAWindowIsWanted) {
                                   {with(&Facts::sound, {false, ""}), kNote, "THIMBLE_GUI"}});
 }
 
+TEST(DoctorChecks, APersonNeedsSoundScreenAndTheHandlesSoftware) {
+    SessionFacts person;
+    person.human = true;
+    const auto with_sound = [&](SoundFacts sound) {
+        return with(&Facts::sound, std::move(sound), with(&Facts::session, person));
+    };
+    SessionFacts sees = person;
+    sees.beep_shown = true;
+    expect_findings(
+        check_sound,
+        {{with_sound({true, ""}), kOk, "beep"},
+         {with_sound({true, "no device"}), kFault, "a person is to hear it", "aplay"},
+         {with_sound({false, ""}), kFault, "THIMBLE_AUDIO", "aplay"},
+         {with(&Facts::sound, {true, "no device"}, with(&Facts::session, sees)), kNote, "shown", "aplay"}});
+    const Facts blind = with(&Facts::screen, {true, "no screen", "", ""}, with(&Facts::session, person));
+    expect_findings(check_screen, {{blind, kFault, "no screen", "DISPLAY"}});
+    SessionFacts device = person;
+    device.handle = "falcon";
+    device.software_problem = "nvent.bin cannot be read";
+    device.cutaneous_drawn = false;
+    const Facts broken = with(&Facts::session, device);
+    expect_findings(check_device_software, {{{}, kOk, "no SDK"}, {broken, kFault, "nvent.bin", "sha256sum"}});
+    expect_findings(check_fingertip, {{broken, kWarning, "fingertip = true"}});
+    EXPECT_FALSE(can_run(examine_for_person(broken)));
+    EXPECT_EQ(exit_code(examine_for_person(with_sound({true, "no device"}))), ExitCode::kUsage);
+}
+
 TEST(DoctorChecks, ExitCodesAreThoseOfTheManual) {
     EXPECT_EQ(check_session({}).code, ExitCode::kUsage);
     EXPECT_EQ(check_ports({}).code, ExitCode::kNetwork);
