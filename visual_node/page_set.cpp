@@ -129,9 +129,10 @@ PageSet load_page_set(const std::filesystem::path& path) {
         if (path == set.name) return read(ConfigFile::parse(set.text, set.name));
         names.push_back(set.name);
     }
-    throw Error(ExitCode::kUsage,
-                "{}: there is no such file of pages, and those that come with the program are {}",
-                path.string(), fmt::join(names, ", "));
+    throw Error(
+        ExitCode::kUsage,
+        "[instructions] pages is {}: there is no such file, and those that come with the program are {}",
+        path.string(), fmt::join(names, ", "));
 }
 
 }  // namespace

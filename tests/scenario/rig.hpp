@@ -127,13 +127,12 @@ class ReadDisplay final : public Display {
     void turn_page(SessionTime, const Page& turned) override { page = turned; }
     void beep(SessionTime now) override { frames.beep(now); }
     bool take_go_on() override { return std::exchange(pressed, false); }
-    std::optional<GivenAnswer> take_answer() override { return std::exchange(answer, std::nullopt); }
+    std::optional<GivenAnswer> take_answer() override { return frames.take_answer(); }
     bool take_stop() override { return frames.take_stop(); }
 
     RecordingDisplay frames;
     Page page;
     bool pressed = false;
-    std::optional<GivenAnswer> answer;
 };
 
 class Rig {

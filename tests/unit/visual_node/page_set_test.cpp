@@ -59,7 +59,7 @@ TEST(PageSet, ASessionNamesOneAndItsOwnWordsWin) {
     EXPECT_EQ(pages.first_number(0), 2U) << "behind the consent page";
     const ConfigFile other = ConfigFile::parse("[instructions]\npages = 'xx.toml'\n", "session.toml");
     EXPECT_THAT(refusal([&] { other.read_all([&] { read_pages(other); }); }, ExitCode::kUsage),
-                testing::AllOf(HasSubstr("instructions.pages"), HasSubstr("it.toml")));
+                testing::AllOf(HasSubstr("[instructions] pages is xx.toml"), HasSubstr("it.toml")));
 }
 
 TEST(PageSet, MistakesAreNamed) {
