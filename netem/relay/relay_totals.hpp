@@ -54,7 +54,8 @@ struct RelayTotals {
     std::uint64_t clock_steps = 0, untrusted_stamps = 0;
     std::uint64_t dropped_by_kernel = 0;  // before this program could read them
     std::uint64_t log_missing = 0;
-    std::vector<std::uint64_t> closed_ports{};  // by inlet: answers of its server's machine that the port is closed
+    std::vector<std::uint64_t>
+        closed_ports{};  // by inlet: answers of its server's machine that the port is closed
     Duration running{};
 
     const DirectionTotals& operator[](RelayDirection d) const {

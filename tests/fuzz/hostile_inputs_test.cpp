@@ -148,7 +148,8 @@ TEST(HostileNetworkFiles, SeedsAreReadAndDamagedOnesRefusedOrGood) {
     for (const auto& [reader, texts] : seeds) {
         int accepted = 0, refused = 0;
         for (int i = 0; i < 2'500; ++i) {
-            const auto damage = reader == '4' || reader == '8' ? damaged_bytes : damaged;  // these are no text
+            const auto damage =
+                reader == '4' || reader == '8' ? damaged_bytes : damaged;  // these are no text
             const std::string text = reader + damage(texts, random);
             const Verdict verdict = check_network_files(bytes_of_text(text));
             ASSERT_EQ(verdict.flaw, "") << "case " << i << ":\n" << text;

@@ -27,7 +27,9 @@ int print_keys(const ConfigArguments& a) {
 
 CLI::App* add_keys(CLI::App& config, ConfigArguments& a, const char* name, const char* what) {
     CLI::App* part = config.add_subcommand(name, what);
-    part->add_option("kind", a.kind, "of which files: session, scene, pages (that a subject reads), or profile (of a network)")
+    part->add_option(
+            "kind", a.kind,
+            "of which files: session, scene, pages (that a subject reads), or profile (of a network)")
         ->check(CLI::IsMember({"session", "scene", "pages", "profile"}))
         ->capture_default_str();
     return part;

@@ -159,7 +159,9 @@ PageText page_text(const Page& page) {
         case PageKind::kWait:
             return {"One moment", which_of(page)};
         case PageKind::kQuestion:
-            return {"", "Choose with the mouse, or with the digits and the arrow keys. Then press Enter or click OK."};
+            return {"",
+                    "Choose with the mouse, or with the digits and the arrow keys. Then press Enter or click "
+                    "OK."};
     }
     return {};
 }
