@@ -68,8 +68,9 @@ TEST_F(HidPrograms, AHandThatIsPulledOutLetsGoAndComesBack) {
 class AnsweringBoard {
   public:
     explicit AnsweringBoard(MockHid& mock) : thread_([this, &mock] { answer(mock); }) {}
-    ~AnsweringBoard() { stop(); }
-    void stop() {
+    ~AnsweringBoard() { pull_out(); }
+    // Right after its last answer: a silent board is another fault.
+    void pull_out() {
         stop_ = true;
         if (thread_.joinable()) thread_.join();
     }
@@ -85,6 +86,7 @@ class AnsweringBoard {
             mock.say(1, encode(BoardStatus{command->sequence, command->press, false, BoardFault::kNone,
                                            command->index_mN, command->thumb_mN}));
         }
+        mock.unplug(1);
     }
     std::atomic<bool> stop_{false};
     std::atomic<std::uint16_t> most_mN_{0};
@@ -98,8 +100,7 @@ TEST_F(HidPrograms, ABoardThatIsPulledOutEndsTheTrial) {
     ASSERT_TRUE(run.reaches_trial()) << run.words() << log_of(run, "thimble-cutaneous");
     EXPECT_TRUE(wait_until([&] { return board.most_mN() > 0; }))
         << run.words() << log_of(run, "thimble-cutaneous");
-    board.stop();
-    mock->unplug(1);
+    board.pull_out();
     EXPECT_NE(run.end(), 0) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("cutaneous"));
     EXPECT_THAT(log_of(run, "thimble-cutaneous"),
