@@ -28,6 +28,13 @@ class Newcomer : public OnAScreen {
             return such(view_.monitor());
         });
     }
+    // On a machine that draws slowly a click can fall between two pictures: a person clicks again.
+    bool does_until(const std::vector<std::string>& words, const std::function<bool(const Monitor&)>& such) {
+        return wait_until([&] {
+            view_.listen(wall_now());
+            return such(view_.monitor()) || (hand(words), wall_sleep(std::chrono::milliseconds{300}), false);
+        });
+    }
     bool hand(const std::vector<std::string>& words) const { return screen_->hand(words); }
 
     Folder folder_;
@@ -54,13 +61,15 @@ TEST_F(Newcomer, PushesTheNeedleInStopsAndGoesOnByTheScreenAlone) {
     EXPECT_TRUE(sees([](const Monitor& m) { return m.paused; }));
     ASSERT_TRUE(hand({"type", "e"}));
     EXPECT_TRUE(sees(idle));
-    ASSERT_TRUE(
-        hand({"mousemove", "1100", "68", "sleep", "0.2", "mousedown", "1", "sleep", "0.1", "mouseup", "1"}));
-    EXPECT_TRUE(sees(running));
+    const std::vector<std::string> click{"sleep", "0.2", "mousedown", "1", "sleep", "0.1", "mouseup", "1"};
+    const auto click_at = [&](const char* x, const char* y) {
+        std::vector<std::string> words{"mousemove", x, y};
+        words.insert(words.end(), click.begin(), click.end());
+        return words;
+    };
+    EXPECT_TRUE(does_until(click_at("1100", "68"), running));
     // STOP, at the lower right. A click on it afterwards releases nothing; a press of a second does.
-    ASSERT_TRUE(
-        hand({"mousemove", "1100", "770", "sleep", "0.2", "mousedown", "1", "sleep", "0.1", "mouseup", "1"}));
-    EXPECT_TRUE(sees(idle));
+    EXPECT_TRUE(does_until(click_at("1100", "770"), idle));
     wall_sleep(std::chrono::milliseconds{800});
     ASSERT_TRUE(hand({"mousedown", "1", "sleep", "0.2", "mouseup", "1", "sleep", "0.4"}));
     ASSERT_TRUE(hand({"type", "1"}));
