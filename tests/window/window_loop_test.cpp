@@ -204,7 +204,7 @@ TEST_F(WindowLoopTest, AQuestionIsAnsweredByTheMouse) {
     std::optional<GivenAnswer> given;
     // Somewhere in the middle of the window is the scale, and below it OK.
     for (int y = 200; y < 420 && !given; y += 12) {
-        for (const int x : {500, 120}) {
+        for (const int x : {120, 500}) {
             person(loop, {"search", "--name", "question under test", "mousemove", "--window", "%1",
                           std::to_string(x), std::to_string(y), "click", "1"});
             for (int i = 0; i < 4; ++i) loop.turn();
