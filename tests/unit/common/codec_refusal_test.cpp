@@ -242,9 +242,9 @@ TEST(CodecRefusal, EnumsOutOfRange) {
     expect_enum(&Monitor::modality, 4);
     expect_enum(&Monitor::state, 4);
     expect_enum(&Monitor::reason, 8);
-    expect_enum(&Order::kind, 11);
+    expect_enum(&Order::kind, 12);
     expect_enum(&Order::modality, 4);
-    expect_enum(&Page::kind, 8);
+    expect_enum(&Page::kind, 9);
 }
 
 TEST(CodecRefusal, TextsWithoutAnEndAndStopsThatAreNone) {
