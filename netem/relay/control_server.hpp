@@ -30,8 +30,8 @@ class ControlServer : boost::noncopyable {
 
   private:
     struct Asker {
-        int socket;
-        SessionTime until;  // it has to have asked
+        int socket = -1;
+        SessionTime until{};  // it has to have asked
     };
 
     void run();

@@ -173,8 +173,8 @@ void PacketRelay::receive(std::size_t port) {
 
 // False: there is none, or the port has no other end any more.
 bool PacketRelay::read_one(std::size_t port, DeviceStamps& stamps) {
-    std::array<std::uint8_t, kRoomBytes>
-        room;  // NOLINT(cppcoreguidelines-pro-type-member-init): read() fills it
+    // read() fills it. NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
+    std::array<std::uint8_t, kRoomBytes> room;
     const auto size = read(ports_[port].descriptor, room.data(), room.size());
     const SessionTime now = wall_now();  // after the call: no stamp is later
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) return false;

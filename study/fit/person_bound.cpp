@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -57,7 +58,8 @@ std::vector<DelayBound> delay_bounds(const SystemSettings& settings, const std::
     std::vector<DelayBound> bounds;
     bounds.reserve(kHalvings + 1);
     for (int i = 0; i <= kHalvings && stiffness_N_per_m > 0; ++i, stiffness_N_per_m /= 2) {
-        DelayBound bound{stiffness_N_per_m, critical_delay_s(hands.front(), stiffness_N_per_m), INFINITY};
+        DelayBound bound{stiffness_N_per_m, critical_delay_s(hands.front(), stiffness_N_per_m),
+                         std::numeric_limits<double>::infinity()};
         for (const HeldHandle& hand : hands)
             bound.least_s = std::min(bound.least_s, critical_delay_s(hand, stiffness_N_per_m));
         bounds.push_back(bound);
