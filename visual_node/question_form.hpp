@@ -41,12 +41,15 @@ class QuestionForm {
         choose(steps > 0 ? q.from : q.to);
     }
 
-    // Of a number one digit after another; of a choice and of a likert scale the answer itself.
+    // Of a number one digit after another, the most instead of more; of a choice and of a likert scale the answer itself.
     void type(int digit) {
         if (question_ == nullptr || question_->kind == QuestionKind::kScale) return;
-        const bool number = question_->kind == QuestionKind::kNumber;
-        const double typed = number ? 10 * value_.value_or(0) + digit : digit;
-        if (typed <= question_->to && (number || typed >= question_->from)) value_ = typed;
+        const Question& q = *question_;
+        if (q.kind == QuestionKind::kNumber) {
+            value_ = std::min(10 * value_.value_or(0) + digit, q.to);
+        } else if (digit >= q.from && digit <= q.to) {
+            value_ = digit;
+        }
     }
 
     void clear() { value_.reset(); }

@@ -139,10 +139,16 @@ TEST(QuestionForm, DigitsChooseOrMakeANumber) {
     form.type(3);
     EXPECT_FALSE(form.given()) << "3 is too young";
     form.type(1);
-    form.type(5);
     EXPECT_EQ(form.given()->value, 31);
+    form.type(5);
+    EXPECT_EQ(form.given()->value, 89) << "315 is more than the most";
     form.clear();
     EXPECT_FALSE(form.given());
+    form.type(1);
+    EXPECT_FALSE(form.given()) << "on the way to 18";
+    form.clear();
+    for (const int digit : {9, 0}) form.type(digit);
+    EXPECT_EQ(form.given()->value, 89) << "of somebody who is 90";
 }
 
 }  // namespace
