@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "visual_node/display.hpp"
 #include "visual_node/page_set.hpp"
@@ -19,8 +20,11 @@ class QuestionForm {
         number_ = number;
         question_ = question;
         value_.reset();
+        read_ = false;
+        pages_ = 0;
     }
 
+    std::uint32_t number() const { return number_; }
     const Question* question() const { return question_; }
     const std::optional<double>& value() const { return value_; }
 
@@ -54,9 +58,14 @@ class QuestionForm {
 
     void clear() { value_.reset(); }
 
-    // Nothing while nothing is chosen, or a number that is still too small.
+    // A question that is longer than the screen: how many pages to turn since the last call, and that its end has been shown.
+    void turn_pages(int pages) { pages_ += pages; }
+    int take_pages() { return std::exchange(pages_, 0); }
+    void read_to_end() { read_ = true; }
+
+    // Nothing while nothing is chosen, a number is still too small, or the question has not been shown to its end.
     std::optional<GivenAnswer> given() const {
-        if (question_ == nullptr || !value_ || !question_->accepts(*value_)) return std::nullopt;
+        if (question_ == nullptr || !read_ || !value_ || !question_->accepts(*value_)) return std::nullopt;
         return GivenAnswer{number_, *value_};
     }
 
@@ -64,6 +73,8 @@ class QuestionForm {
     std::uint32_t number_ = 0;
     const Question* question_ = nullptr;
     std::optional<double> value_;
+    bool read_ = false;
+    int pages_ = 0;
 };
 
 }  // namespace thimble

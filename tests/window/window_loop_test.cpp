@@ -160,9 +160,10 @@ TEST_F(WindowLoopTest, ABeepIsSeenWhereItIsToBe) {
 
 // A page set with one question, in a window that shows it.
 struct Asking {
-    explicit Asking(const std::string& kind) {
+    explicit Asking(const std::string& kind, const std::string& text = "How?") {
         const ConfigFile file = ConfigFile::parse(
-            "[[questionnaire]]\nname = 'q'\n[[questionnaire.question]]\nid = 'q'\ntext = 'How?'\n" + kind,
+            "[[questionnaire]]\nname = 'q'\n[[questionnaire.question]]\nid = 'q'\ntext = \"\"\"" + text +
+                "\"\"\"\n" + kind,
             "pages");
         file.read_all([&] { pages = read_page_set(file); });
         parts.pages = &pages;
@@ -195,6 +196,25 @@ TEST_F(WindowLoopTest, AQuestionIsAnsweredByKeys) {
     ASSERT_TRUE(given);
     EXPECT_EQ(given->question, 1U);
     EXPECT_EQ(given->value, 6);
+}
+
+TEST_F(WindowLoopTest, ALongTextIsReadBeforeItIsAnswered) {
+    std::string choices = "kind = 'choice'\nchoices = ['yes', '";
+    for (int i = 0; i < 30; ++i) choices += "not at all ";
+    std::string lines;
+    for (int i = 1; i <= 60; ++i) lines += fmt::format("line {}\n", i);
+    Asking asking(choices + "']\n", lines);
+    WindowLoop& loop = *asking.loop;
+    for (int i = 0; i < 4; ++i) loop.turn();
+    ASSERT_TRUE(
+        person(loop, {"search", "--name", "question under test", "windowfocus", "key", "1", "Return"}));
+    for (int i = 0; i < 4; ++i) loop.turn();
+    EXPECT_FALSE(asking.display.take_answer()) << "nobody has seen the end";
+    ASSERT_TRUE(person(loop, {"key", "Next", "Next", "Next", "Next"}));
+    for (int i = 0; i < 4; ++i) loop.turn();
+    ASSERT_TRUE(person(loop, {"key", "Return"}));
+    for (int i = 0; i < 4; ++i) loop.turn();
+    EXPECT_TRUE(asking.display.take_answer());
 }
 
 TEST_F(WindowLoopTest, AQuestionIsAnsweredByTheMouse) {

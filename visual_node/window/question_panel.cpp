@@ -11,11 +11,18 @@ namespace {
 constexpr ImU32 kBeepInk = IM_COL32(255, 214, 64, 255);
 constexpr ImU32 kChosen = IM_COL32(41, 128, 219, 255);
 
-// A button that looks pressed once it is the answer.
+// A button that looks pressed once it is the answer. Its text wraps, which ImGui's own does not.
 bool answer_button(const std::string& label, bool chosen, float width) {
+    const float font = ImGui::GetFontSize(), inner = width - font;
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const ImVec2 text = ImGui::CalcTextSize(label.c_str(), nullptr, false, inner);
+    const ImVec2 size{width, text.y + 0.8F * font};
     if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, kChosen);
-    const bool clicked = ImGui::Button(label.c_str(), {width, 1.8F * ImGui::GetFontSize()});
+    const bool clicked = ImGui::Button(("##" + label).c_str(), size);
     if (chosen) ImGui::PopStyleColor();
+    const ImVec2 at{corner.x + (size.x - text.x) / 2, corner.y + (size.y - text.y) / 2};
+    ImGui::GetWindowDrawList()->AddText(ImGui::GetFont(), font, at, ImGui::GetColorU32(ImGuiCol_Text),
+                                        label.c_str(), nullptr, inner);
     return clicked;
 }
 
@@ -30,8 +37,7 @@ void draw_choices(QuestionForm& form, float width) {
     const Question& q = *form.question();
     for (std::size_t i = 0; i < q.choices.size(); ++i) {
         const auto value = static_cast<double>(i + 1);
-        // The number behind ## tells equal texts apart and is not shown.
-        if (answer_button(fmt::format("{}  {}##{}", i + 1, q.choices[i], i), form.value() == value, width))
+        if (answer_button(fmt::format("{}  {}", i + 1, q.choices[i]), form.value() == value, width))
             form.choose(value);
     }
 }
@@ -105,6 +111,25 @@ void draw_text(const std::string& text) {
     ImGui::Dummy({0, 0.6F * ImGui::GetFontSize()});
 }
 
+// Where text and answers have just ended: OK waits until that is on the screen. Until then an arrow says that there is more.
+void note_end(QuestionForm& form) {
+    const float font = ImGui::GetFontSize(), bottom = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
+    if (ImGui::GetCursorScreenPos().y <= bottom) return form.read_to_end();
+    const float x = ImGui::GetWindowPos().x + ImGui::GetWindowWidth() / 2, y = bottom - 0.5F * font;
+    ImGui::GetForegroundDrawList()->AddTriangleFilled({x - font, y - font}, {x + font, y - font}, {x, y},
+                                                      kChosen);
+}
+
+// As many pages as the subject has turned; each question begins at its first line.
+void scroll(QuestionForm& form) {
+    if (ImGui::IsWindowAppearing()) ImGui::SetScrollY(0);
+    const int pages = form.take_pages();
+    if (pages == 0) return;
+    const float page = 0.8F * ImGui::GetWindowHeight();
+    ImGui::SetScrollY(
+        std::clamp(ImGui::GetScrollY() + static_cast<float>(pages) * page, 0.0F, ImGui::GetScrollMaxY()));
+}
+
 }  // namespace
 
 bool draw_question(const GuiLayer& gui, const ShownQuestion& question, QuestionForm& form,
@@ -113,16 +138,21 @@ bool draw_question(const GuiLayer& gui, const ShownQuestion& question, QuestionF
     const float width = std::min(0.9F * screen.x, 44 * ImGui::GetFontSize());
     ImGui::SetNextWindowPos({screen.x / 2, screen.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
     ImGui::SetNextWindowSize({width, 0});
-    const ImGuiWindowFlags flags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+    // As high as its content, at most as the screen: then it scrolls.
+    const ImGuiWindowFlags flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
                                    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings;
     bool given = false;
-    if (ImGui::Begin("question", nullptr, flags)) {
+    // Of each question its own window: another one begins at its top.
+    if (ImGui::Begin(fmt::format("question {}", form.number()).c_str(), nullptr, flags)) {
+        scroll(form);
         const float inner = ImGui::GetContentRegionAvail().x;
         ImGui::PushFont(gui.large_font());
         draw_text(question.title);
         ImGui::PopFont();
         draw_text(question.question.text);
         draw_answers(gui, form, inner);
+        note_end(form);
         ImGui::Dummy({0, ImGui::GetFontSize()});
         ImGui::BeginDisabled(!form.given());
         given = answer_button("OK", false, inner / 4);

@@ -152,6 +152,9 @@ bool WindowLoop::answer_key(int key) {
         case GLFW_KEY_UP:
         case GLFW_KEY_DOWN:
             return form_.move((key == GLFW_KEY_DOWN) == list ? 1 : -1), true;
+        case GLFW_KEY_PAGE_UP:
+        case GLFW_KEY_PAGE_DOWN:
+            return form_.turn_pages(key == GLFW_KEY_PAGE_DOWN ? 1 : -1), true;
         case GLFW_KEY_DELETE:
             return form_.clear(), true;
         case GLFW_KEY_ENTER:

@@ -107,6 +107,8 @@ TEST(QuestionForm, GivesNothingBeforeSomethingIsChosen) {
     form.show(3, &scale);
     EXPECT_FALSE(form.given());
     form.move(1);
+    EXPECT_FALSE(form.given()) << "the end of the text has not been seen";
+    form.read_to_end();
     EXPECT_EQ(form.given()->value, 50) << "an arrow key begins in the middle";
     form.move(-1);
     EXPECT_EQ(form.given()->value, 45);
@@ -129,6 +131,7 @@ TEST(QuestionForm, DigitsChooseOrMakeANumber) {
     const Question likert = question_of(QuestionKind::kLikert, 1, 7);
     QuestionForm form;
     form.show(1, &likert);
+    form.read_to_end();
     form.type(8);
     form.type(0);
     EXPECT_FALSE(form.given());
@@ -136,6 +139,7 @@ TEST(QuestionForm, DigitsChooseOrMakeANumber) {
     EXPECT_EQ(form.given()->value, 6);
     const Question age = question_of(QuestionKind::kNumber, 18, 89);
     form.show(2, &age);
+    form.read_to_end();
     form.type(3);
     EXPECT_FALSE(form.given()) << "3 is too young";
     form.type(1);
