@@ -198,6 +198,21 @@ TEST_F(WindowLoopTest, AQuestionIsAnsweredByKeys) {
     EXPECT_EQ(given->value, 6);
 }
 
+TEST_F(WindowLoopTest, BackspaceClearsANumberAndElseStops) {
+    for (const bool number : {true, false}) {
+        Asking asking(number ? "kind = 'number'\n" : "kind = 'likert'\n");
+        WindowLoop& loop = *asking.loop;
+        for (int i = 0; i < 4; ++i) loop.turn();
+        ASSERT_TRUE(person(loop, {"search", "--name", "question under test", "windowfocus", "key", "3",
+                                  "BackSpace", "4", "Return"}));
+        for (int i = 0; i < 20; ++i) loop.turn();
+        EXPECT_EQ(asking.display.take_stop(), !number);
+        const auto given = asking.display.take_answer();
+        ASSERT_TRUE(given);
+        EXPECT_EQ(given->value, 4);
+    }
+}
+
 TEST_F(WindowLoopTest, ALongTextIsReadBeforeItIsAnswered) {
     std::string choices = "kind = 'choice'\nchoices = ['yes', '";
     for (int i = 0; i < 30; ++i) choices += "not at all ";

@@ -143,6 +143,7 @@ void WindowLoop::handle_button() {
 bool WindowLoop::answer_key(int key) {
     if (form_.question() == nullptr) return false;
     const bool list = form_.question()->kind == QuestionKind::kChoice;  // it goes downwards
+    const bool number = form_.question()->kind == QuestionKind::kNumber;
     if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) return form_.type(key - GLFW_KEY_0), true;
     if (key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) return form_.type(key - GLFW_KEY_KP_0), true;
     switch (key) {
@@ -155,6 +156,8 @@ bool WindowLoop::answer_key(int key) {
         case GLFW_KEY_PAGE_UP:
         case GLFW_KEY_PAGE_DOWN:
             return form_.turn_pages(key == GLFW_KEY_PAGE_DOWN ? 1 : -1), true;
+        case GLFW_KEY_BACKSPACE:  // a digit too many stops no session; no trial runs, and no force acts
+            return number && (form_.clear(), true);
         case GLFW_KEY_DELETE:
             return form_.clear(), true;
         case GLFW_KEY_ENTER:
@@ -231,7 +234,8 @@ void WindowLoop::handle_key(const WindowEvent& event) {
 std::string WindowLoop::keys() const {
     std::string text =
         "? or F1   this list\nF2        times from hand to picture\nF12       save the picture\n"
-        "Backspace EMERGENCY STOP: no force, until somebody releases it\n";
+        "Backspace EMERGENCY STOP: no force, until somebody releases it\n"
+        "          (where a number is asked for, it clears the number)\n";
     if (parts_.hand != nullptr) {
         text += parts_.keyboard ? "Down      hold it to push the needle in; Up draws it out\n"
                                 : "click     take the needle: move down to push it in\n";
