@@ -182,6 +182,20 @@ struct Asking {
     std::optional<WindowLoop> loop;
 };
 
+TEST_F(WindowLoopTest, AQuestionOfAnotherPageSetIsNotAnswered) {
+    Asking asking("kind = 'likert'\n");
+    Page page;
+    page.kind = PageKind::kQuestion;
+    page.trial = 2;
+    asking.display.turn_page({}, page);
+    WindowLoop& loop = *asking.loop;
+    loop.turn();
+    ASSERT_TRUE(
+        person(loop, {"search", "--name", "question under test", "windowfocus", "key", "5", "Return"}));
+    for (int i = 0; i < 20; ++i) loop.turn();
+    EXPECT_FALSE(asking.display.take_answer());
+}
+
 TEST_F(WindowLoopTest, AQuestionIsAnsweredByKeys) {
     Asking asking("kind = 'likert'\n");
     WindowLoop& loop = *asking.loop;

@@ -179,6 +179,13 @@ PageText page_text(const Page& page, const Instructions& instructions, bool subj
     return text;
 }
 
+PageText unknown_question(const Page& page) {
+    return {"Please call the experimenter",
+            fmt::format("This window has no question {}: start it with the session's page set "
+                        "([instructions] pages).",
+                        page.trial)};
+}
+
 void draw_over_tissue(const Picture& picture) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const ImDrawListFlags flags = list.Flags;

@@ -108,8 +108,10 @@ void WindowLoop::take_mail(SessionTime now) {
 
 // A subject who answers needs the pointer, and holds no needle.
 void WindowLoop::turn_to(const Page& page) {
+    const bool question = page.kind == PageKind::kQuestion;
+    const bool asks = question && page.trial >= 1 && page.trial <= questions_.size();
+    if (question && !asks && !(page == page_)) spdlog::warn(unknown_question(page).body);
     page_ = page;
-    const bool asks = page.kind == PageKind::kQuestion && page.trial >= 1 && page.trial <= questions_.size();
     form_.show(page.trial, asks ? &questions_[page.trial - 1].question : nullptr);
     if (!asks) return;
     parts_.window->grab_pointer(false);
@@ -332,6 +334,8 @@ void WindowLoop::draw_notices() const {
 PageText WindowLoop::words_of_page() const {
     static const Instructions kUnchanged;
     const Instructions& words = parts_.pages == nullptr ? kUnchanged : parts_.pages->instructions;
+    // The session reads its page set, and this window its own: they may differ.
+    if (page_.kind == PageKind::kQuestion && form_.question() == nullptr) return unknown_question(page_);
     PageText text = page_text(page_, words, parts_.subject_goes_on);
     if (parts_.overlay != nullptr && !words.of(page_.kind).body) text.body.clear();
     return text;

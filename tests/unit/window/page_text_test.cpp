@@ -51,6 +51,11 @@ TEST(PageText, SaysHowToGoOnWhereASubjectMay) {
     }
 }
 
+TEST(PageText, AQuestionThatThisWindowDoesNotHaveIsNamed) {
+    EXPECT_THAT(unknown_question(page_of(PageKind::kQuestion)).body,
+                testing::AllOf(HasSubstr("no question 3"), HasSubstr("page set")));
+}
+
 TEST(Fonts, WhatCannotBeDrawnIsNamed) {
     EXPECT_EQ(undrawable("Grüße, ça va? ¿Qué? Ærø\n{trial}"), "");
     if (std::filesystem::exists("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf")) {
