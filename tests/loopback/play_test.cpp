@@ -364,5 +364,11 @@ TEST(PlayReplay, SaysWhichTrialThereIsNot) {
     EXPECT_EQ(run_thimble({"play", "--trial", "2"}).code, 2);
 }
 
+TEST(PlayInABrowser, TakesNoOtherOption) {
+    const Outcome outcome = run_thimble({"play", "--browser", "--modality", "HF"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_NE(outcome.words.find("leave --modality out"), std::string::npos) << outcome.words;
+}
+
 }  // namespace
 }  // namespace thimble

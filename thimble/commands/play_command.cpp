@@ -1,5 +1,6 @@
 // thimble play: feel the experiment with a mouse.
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -57,12 +58,18 @@ std::filesystem::path find_page() {
                 places[0].string(), places[1].string());
 }
 
-int open_page() {
+int open_page(const CLI::App& play) {
+    for (const CLI::Option* option : play.get_options()) {
+        if (option->count() > 0 && option->get_name() != "--browser")
+            throw Error(ExitCode::kUsage, "thimble play --browser takes no other option: leave {} out",
+                        option->get_name());
+    }
     const std::string page = find_page().string(), advice = "open file://" + page + " in a browser";
+    fmt::print("file://{}\n", page);
+    std::fflush(stdout);  // xdg-open may wait until the browser ends
     const ProgramResult result = run_program("xdg-open", {page}, ".", advice + ", or install xdg-utils");
     if (result.exit_code != 0)
         throw Error(ExitCode::kRunFailed, "xdg-open shows no page: {}; {}", result.output, advice);
-    fmt::print("file://{}\n", page);
     return static_cast<int>(ExitCode::kOk);
 }
 
@@ -99,7 +106,6 @@ void choose_first_trial(PlayArguments& a, const SessionPlan& plan) {
 }
 
 int run_play(PlayArguments a) {
-    if (a.browser) return open_page();
     const SystemSettings settings = load_system_settings(a.config);
     if (settings.launch.anywhere_else()) {
         throw Error(ExitCode::kUsage,
@@ -183,8 +189,7 @@ Subcommand add_play(CLI::App& app) {
         ->default_val(arguments->view)
         ->check(CLI::IsMember({"cutaway", "subject"}));
     sub->add_flag("--browser", arguments->browser,
-                  "the page of ./deploy/browser instead, where there is no OpenGL; it takes no other option")
-        ->excludes(replay);
+                  "the page of ./deploy/browser instead, where there is no OpenGL; it takes no other option");
     add_render_options(*sub, replay, *arguments);
     add_base_port_option(*sub, arguments->base_port);
     sub->add_option("--seconds", arguments->seconds, "end by itself after so long")
@@ -198,7 +203,7 @@ Subcommand add_play(CLI::App& app) {
         "  thimble play --replay out/play --trial 2 --video trial2.mp4\n"
         "  thimble play --browser\n"
         "Manual: docs/play.md.");
-    return {sub, [arguments] { return run_play(*arguments); }};
+    return {sub, [sub, arguments] { return arguments->browser ? open_page(*sub) : run_play(*arguments); }};
 }
 
 }  // namespace thimble
