@@ -148,6 +148,14 @@ bool has_consented(const Dataset& dataset, const ConsentPage& page, std::uint32_
     return line != nullptr && line->back() == tsv_text(page.version);
 }
 
+bool knows_person(const Dataset& dataset, std::uint32_t participant) {
+    const auto people = read_participants(dataset);
+    if (std::find(people.begin(), people.end(), participant) != people.end()) return true;
+    PersonTable table = consent_table(dataset);
+    const Line* const line = table.find(participant);
+    return line != nullptr && (*line)[kTime] != kNotAvailable;
+}
+
 std::string utc_text(std::int64_t realtime_ns) {
     using namespace std::chrono;
     const sys_seconds time{floor<seconds>(nanoseconds{realtime_ns})};

@@ -34,6 +34,9 @@ bool is_filled(const Dataset& dataset, const Questionnaire& form, std::uint32_t 
 // To this version of the text.
 bool has_consented(const Dataset& dataset, const ConsentPage& page, std::uint32_t participant);
 
+// Whether a table names this participant as one who has taken part, or has agreed to.
+bool knows_person(const Dataset& dataset, std::uint32_t participant);
+
 // "2026-11-25T22:30:07Z" of nanoseconds since 1970.
 std::string utc_text(std::int64_t realtime_ns);
 

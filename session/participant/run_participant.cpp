@@ -93,7 +93,7 @@ std::string what_differs(const SystemSettings& settings, std::uint32_t participa
 
 bool has_begun(const Dataset& dataset, std::uint32_t participant) {
     std::error_code none;
-    return !read_records(dataset.records(participant)).empty() ||
+    return knows_person(dataset, participant) || !read_records(dataset.records(participant)).empty() ||
            std::filesystem::exists(dataset.source(participant) / "trajectories", none);
 }
 
@@ -102,7 +102,7 @@ bool has_begun(const Dataset& dataset, std::uint32_t participant) {
 std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& dataset,
                                  std::uint32_t participant, bool resume, bool& written) {
     const auto file = dataset.order(participant);
-    // A start that failed has left an order, and no trial: the participant begins with a new order.
+    // A start that failed has left an order, and nothing of a person: the participant begins with a new order.
     if (!is_table(file) || (!resume && !has_begun(dataset, participant))) {
         if (!resume) return plan_order(settings, participant);
         throw Error(ExitCode::kUsage,

@@ -156,6 +156,15 @@ TEST_F(Questions, ConsentHasAVersionAndATime) {
     EXPECT_FALSE(has_consented(dataset_, *pages_.consent, 2)) << "another text";
 }
 
+TEST_F(Questions, WhoHasAgreedOrIsInTheTableIsKnown) {
+    EXPECT_FALSE(knows_person(dataset_, 2));
+    write_consent(dataset_, *pages_.consent, 2, utc_text(1'764'109'807'000'000'000));
+    EXPECT_TRUE(knows_person(dataset_, 2));
+    add_participant(dataset_, 3, SubjectKind::kHuman, {});
+    EXPECT_TRUE(knows_person(dataset_, 3));
+    EXPECT_FALSE(knows_person(dataset_, 4));
+}
+
 TEST_F(Questions, AttentionTrialsAreFlaggedAndNotAnalysed) {
     pages_ = {};
     run("attention_every = 3\nattention_limit_s = 1\n");
