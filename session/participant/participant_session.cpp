@@ -324,8 +324,7 @@ ParticipantSessionResult ParticipantSession::result(ExitCode code, std::string p
             agenda_.begun(),
             agenda_.order.size(),
             agenda_.records.size(),
-            static_cast<std::size_t>(repeats),
-            false};
+            static_cast<std::size_t>(repeats)};
 }
 
 }  // namespace thimble

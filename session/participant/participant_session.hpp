@@ -69,7 +69,8 @@ struct ParticipantSessionResult {
     std::uint32_t participant = 0;
     std::size_t trials_begun = 0, trials_planned = 0;
     std::size_t records = 0, repeats = 0;
-    bool declined = false;  // the participant did not consent, and there was no trial
+    bool declined = false;  // the participant did not consent, and no further trial was run
+    bool kept = false;      // without consent: what was recorded before is still there
 };
 
 class ParticipantSession {

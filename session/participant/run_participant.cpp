@@ -157,7 +157,7 @@ Consent consent_of(const SystemSettings& settings, const ParticipantRun& run, co
     return ask_consent({trials, lines, run.stop, say}, *page);
 }
 
-// Without consent nothing of the person is kept.
+// Without consent nothing of the person is kept, but for what the person consented to before.
 ParticipantSessionResult end_without_consent(const Dataset& dataset, std::uint32_t participant, bool begun,
                                              Consent consent, RealTrials& trials) {
     Page done;
@@ -169,9 +169,15 @@ ParticipantSessionResult end_without_consent(const Dataset& dataset, std::uint32
     ParticipantSessionResult result;
     result.participant = participant;
     result.declined = consent == Consent::kDeclined;
+    result.kept = begun;
     if (result.declined) return result;
     result.code = ExitCode::kRunFailed;
-    result.problem = "interrupted before the participant consented; nothing is kept";
+    result.problem = begun
+                         ? fmt::format(
+                               "interrupted before the participant consented; no further trial was run, and "
+                               "what was recorded before is kept in {}",
+                               dataset.folder().string())
+                         : "interrupted before the participant consented; nothing is kept";
     return result;
 }
 
@@ -213,14 +219,14 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
     check_delay(settings, order, run.starter == nullptr);
     if (run.check_screen) run.check_screen();
 
+    const bool begun = has_begun(dataset, participant);
     dataset.open(kind, settings.dataset);
     if (run.view) run.view->planned(order.size());
     RealTrials trials(condition_plan(settings, run, dataset, participant, order.front().conditions.delay_s),
                       run.stop, settings.protocol->blinded);
     DescriptorLines typed(STDIN_FILENO);
     const Consent consent = consent_of(settings, run, dataset, participant, trials, typed);
-    if (consent != Consent::kGiven)
-        return end_without_consent(dataset, participant, written, consent, trials);
+    if (consent != Consent::kGiven) return end_without_consent(dataset, participant, begun, consent, trials);
     // The order first: an analysis asks for the order of every participant that is in the table.
     if (!written) write_order(dataset.order(participant), order);
     PersonDescription person = run.person;

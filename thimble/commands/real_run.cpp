@@ -69,7 +69,10 @@ void refuse_participant_options(const ParticipantRun& run, const SystemSettings&
 void say_participant(const ParticipantSessionResult& result, const std::filesystem::path& out, bool json) {
     const std::string id = participant_id(result.participant);
     if (!json && result.declined) {
-        fmt::print("{}: did not consent; no trial was run, and nothing of the person is kept\n", id);
+        const std::string kept =
+            result.kept ? "no further trial was run, and what was recorded before is kept in " + out.string()
+                        : "no trial was run, and nothing of the person is kept";
+        fmt::print("{}: did not consent; {}\n", id, kept);
         return;
     }
     if (!json) {
