@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "session/participant/questions.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/records/trajectory_file.hpp"
 
@@ -108,19 +107,27 @@ bool ParticipantSession::questions_are_due(const std::optional<Step>& step) cons
 }
 
 ParticipantSession::Answer ParticipantSession::ask_questions(const std::optional<Step>& step) {
-    const Asker asker{runner_, options_.lines, options_.stop, options_.say};
+    const Asker asker{runner_, options_.lines, options_.stop, options_.say,
+                      [this](const std::string& line) { return obey_in_questions(line); }};
     while (questions_are_due(step)) {
         std::uint32_t block = 0;
         const PageSet& pages = *options_.pages;
         const std::size_t form = *due_questionnaire(options_.dataset, pages, agenda_, step, block);
-        auto answers = ask_questionnaire(asker, pages, form);
-        if (!answers) return Answer::kStop;
+        std::vector<std::optional<double>> answers;
+        const Asked asked = ask_questionnaire(asker, pages, form, answers);
+        if (asked != Asked::kAnswered) return asked == Asked::kPutOff ? Answer::kAskAgain : Answer::kStop;
         const std::string time =
             options_.realtime_ns ? utc_text(options_.realtime_ns()) : std::string(kNotAvailable);
         write_answers(options_.dataset, pages.questionnaires[form],
-                      {options_.participant, block, time, std::move(*answers)});
+                      {options_.participant, block, time, std::move(answers)});
     }
     return Answer::kGo;
+}
+
+Asked ParticipantSession::obey_in_questions(const std::string& line) {
+    if (obey(line) == Answer::kStop) return Asked::kStopped;
+    // A mark changes the next step.
+    return questions_are_due(agenda_.next(options_.protocol)) ? Asked::kAnswered : Asked::kPutOff;
 }
 
 bool ParticipantSession::rest_is_due(const std::optional<Step>& step) const {

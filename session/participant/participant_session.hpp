@@ -15,6 +15,7 @@
 #include "session/participant/dataset.hpp"
 #include "session/participant/phenotype.hpp"
 #include "session/participant/prompt.hpp"
+#include "session/participant/questions.hpp"
 #include "session/records/trial_record.hpp"
 
 namespace thimble {
@@ -86,6 +87,7 @@ class ParticipantSession {
     Answer obey_in_stop(const std::string& line);
     Answer before(const std::optional<Step>& step);
     Answer ask_questions(const std::optional<Step>& step);
+    Asked obey_in_questions(const std::string& line);
     bool questions_are_due(const std::optional<Step>& step) const;
     Answer ask(const std::string& prompt, const std::optional<Step>& step);
     Page page(const std::optional<Step>& step) const;

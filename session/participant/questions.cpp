@@ -9,17 +9,20 @@ namespace {
 
 constexpr Duration kAnswerLook = std::chrono::milliseconds{20};  // for an answer, a line, a stop
 constexpr const char* kHelp =
-    "the participant answers at the screen; s: leave this question out; q: stop here";
+    "the participant answers at the screen; s: leave this question out; r WHY, x WHY: as between two trials; "
+    "q: stop here";
+constexpr const char* kConsentHelp = "the participant answers at the screen; q: stop here";
 
 // The experimenter has typed this; kAnswered: the question goes on.
 Asked obey(const Asker& asker, const std::string& line) {
     if (line == "q") return Asked::kStopped;
     if (line == "s") return Asked::kLeftOut;
-    asker.say(kHelp);
+    if (asker.obey && !line.empty()) return asker.obey(line);
+    asker.say(asker.obey ? kHelp : kConsentHelp);
     return Asked::kAnswered;
 }
 
-// A block's end: its last trial is over, and no repeat of it is left.
+// A block's end: its last trial is over, and no repeat of it is left. A trial that is rejected meanwhile puts the questions off.
 bool ends_block(const Agenda& agenda, const std::optional<Step>& step) {
     if (agenda.records.empty() || agenda.records.back().block == 0) return false;
     return !step || step->entry.block != agenda.records.back().block;
@@ -46,25 +49,26 @@ Asked ask_question(const Asker& asker, std::uint32_t number, const Question& que
     }
 }
 
-std::optional<std::vector<std::optional<double>>> ask_questionnaire(const Asker& asker, const PageSet& pages,
-                                                                    std::size_t questionnaire) {
+Asked ask_questionnaire(const Asker& asker, const PageSet& pages, std::size_t questionnaire,
+                        std::vector<std::optional<double>>& answers) {
     const Questionnaire& form = pages.questionnaires[questionnaire];
     asker.say(fmt::format("questionnaire {}, {} questions: {}", form.name, form.questions.size(), kHelp));
-    std::vector<std::optional<double>> answers;
+    answers.clear();
     answers.reserve(form.questions.size());
     std::uint32_t number = pages.first_number(questionnaire);
     for (const Question& question : form.questions) {
         double value = 0;
         const Asked asked = ask_question(asker, number++, question, value);
-        if (asked == Asked::kStopped) return std::nullopt;
+        if (asked == Asked::kPutOff)
+            asker.say(fmt::format("questionnaire {} comes after the repeat, from its beginning", form.name));
+        if (asked == Asked::kStopped || asked == Asked::kPutOff) return asked;
         answers.push_back(asked == Asked::kAnswered ? std::optional{value} : std::nullopt);
     }
-    return answers;
+    return Asked::kAnswered;
 }
 
 Consent ask_consent(const Asker& asker, const ConsentPage& page) {
-    asker.say(fmt::format("consent, version {}: the participant answers at the screen; q: stop here",
-                          page.version));
+    asker.say(fmt::format("consent, version {}: {}", page.version, kConsentHelp));
     Question question;
     question.from = 1;
     question.to = 2;

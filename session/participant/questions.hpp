@@ -15,22 +15,30 @@ namespace thimble {
 
 class TrialRunner;
 
+enum class Asked {
+    kAnswered,
+    kLeftOut,
+    kStopped,
+    kPutOff,  // a trial of the block is to be run again first
+};
+
 // Everything that a question needs; all of it outlives the asking.
 struct Asker {
     TrialRunner& runner;
     LineSource* lines;  // the experimenter leaves a question out or stops; null: no experimenter
     const std::atomic<bool>* stop;
     const std::function<void(const std::string&)>& say;
+    std::function<Asked(const std::string& line)>
+        obey{};  // any other command; kAnswered: the question goes on
 };
-
-enum class Asked { kAnswered, kLeftOut, kStopped };
 
 // `number` as in PageSet::shown(). `value` gets the answer.
 Asked ask_question(const Asker& asker, std::uint32_t number, const Question& question, double& value);
 
-// Nothing if it was stopped: then no answer is kept, and the questionnaire comes again.
-std::optional<std::vector<std::optional<double>>> ask_questionnaire(const Asker& asker, const PageSet& pages,
-                                                                    std::size_t questionnaire);
+// kStopped, kPutOff: no answer is to be kept, and the questionnaire comes again. kAnswered: `answers` gets one per question, none where
+// it was left out.
+Asked ask_questionnaire(const Asker& asker, const PageSet& pages, std::size_t questionnaire,
+                        std::vector<std::optional<double>>& answers);
 
 enum class Consent { kGiven, kDeclined, kStopped };
 Consent ask_consent(const Asker& asker, const ConsentPage& page);

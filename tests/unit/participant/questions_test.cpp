@@ -40,6 +40,7 @@ class AnsweredTrials final : public TrialRunner {
     std::uint32_t last_number() const override { return 0; }
     TrialRecord run(const TrialConditions& conditions, std::uint32_t, const std::filesystem::path&) override {
         events.push_back(fmt::format("trial {}", conditions.trial));
+        asked = 0;
         TrialRecord record = sine_record(0.003, 0.001, 4);
         record.conditions = conditions;
         clock += std::chrono::seconds{10};
@@ -136,6 +137,18 @@ TEST_F(Questions, TheExperimenterLeavesOneOutOrStops) {
     trials_.answers = {45, 2, 50, 1, 7};
     run();
     EXPECT_EQ(trials_.events.front(), "question 3") << "the questionnaire that was cut comes again";
+}
+
+TEST_F(Questions, ARejectedTrialPutsOffTheQuestionsOfItsBlock) {
+    trials_.answers = {31};
+    WrittenLines stops({"", "", "", "r", "r sneezed", "", "s", "x late", "s", "q"});
+    EXPECT_NE(run("", &stops).code, ExitCode::kOk);
+    EXPECT_THAT(trials_.events, ElementsAre("question 2", "trial 1001", "trial 1", "trial 2", "question 3",
+                                            "trial 2", "question 3", "question 4"));
+    EXPECT_THAT(said_, AllOf(Contains("say why, e.g.: r sneezed"), Contains("trial 3 is rejected: sneezed"),
+                             Contains(HasSubstr("questionnaire load comes after the repeat")),
+                             Contains("trial 3 is excluded: late")));
+    EXPECT_THAT(phenotype("load_block1.tsv"), HasSubstr("Z\tn/a\tn/a\n"));
 }
 
 TEST_F(Questions, ConsentHasAVersionAndATime) {
