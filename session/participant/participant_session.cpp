@@ -107,8 +107,12 @@ bool ParticipantSession::questions_are_due(const std::optional<Step>& step) cons
 }
 
 ParticipantSession::Answer ParticipantSession::ask_questions(const std::optional<Step>& step) {
-    const Asker asker{runner_, options_.lines, options_.stop, options_.say,
-                      [this](const std::string& line) { return obey_in_questions(line); }};
+    const Asker asker{runner_,
+                      commands(),
+                      options_.stop,
+                      options_.say,
+                      [this](const std::string& line) { return after_order(obey(line)); },
+                      [this, &step] { return after_order(await_release(step)); }};
     while (questions_are_due(step)) {
         std::uint32_t block = 0;
         const PageSet& pages = *options_.pages;
@@ -124,8 +128,10 @@ ParticipantSession::Answer ParticipantSession::ask_questions(const std::optional
     return Answer::kGo;
 }
 
-Asked ParticipantSession::obey_in_questions(const std::string& line) {
-    if (obey(line) == Answer::kStop) return Asked::kStopped;
+// Of one that came during a question.
+Asked ParticipantSession::after_order(Answer answer) const {
+    if (answer == Answer::kStop) return Asked::kStopped;
+    if (answer == Answer::kGo) return Asked::kAnswered;
     // A mark changes the next step.
     return questions_are_due(agenda_.next(options_.protocol)) ? Asked::kAnswered : Asked::kPutOff;
 }
@@ -212,7 +218,7 @@ ParticipantSession::Answer ParticipantSession::ask(const std::string& prompt,
         if (stopped()) return Answer::kStop;
         if (const auto line = take_line()) return obey(*line);
         if (options_.lines != nullptr && options_.lines->ended()) {
-            options_.say("nobody answers any more: the input has ended");
+            options_.say(kInputEnded);
             return Answer::kStop;
         }
         if (options_.subject_goes_on && runner_.take_go_on() && waits_to_go_on(page(step).kind))
@@ -229,8 +235,7 @@ std::string ParticipantSession::who_goes_on(const std::optional<Step>& step) con
 }
 
 std::optional<std::string> ParticipantSession::take_line() {
-    if (options_.lines != nullptr) return options_.lines->take_line();
-    return options_.requests == nullptr ? std::nullopt : options_.requests->take_line();
+    return commands() == nullptr ? std::nullopt : commands()->take_line();
 }
 
 ParticipantSession::Answer ParticipantSession::obey(const std::string& line) {

@@ -87,13 +87,15 @@ class ParticipantSession {
     Answer obey_in_stop(const std::string& line);
     Answer before(const std::optional<Step>& step);
     Answer ask_questions(const std::optional<Step>& step);
-    Asked obey_in_questions(const std::string& line);
+    Asked after_order(Answer answer) const;
     bool questions_are_due(const std::optional<Step>& step) const;
     Answer ask(const std::string& prompt, const std::optional<Step>& step);
     Page page(const std::optional<Step>& step) const;
     void wait(const std::optional<Step>& step);
     std::optional<Answer> take_requests(const std::optional<Step>& step);
     std::string who_goes_on(const std::optional<Step>& step) const;
+    // Null: no experimenter sends commands.
+    LineSource* commands() const { return options_.lines != nullptr ? options_.lines : options_.requests; }
     std::optional<std::string> take_line();
     bool paused() const { return options_.paused && options_.paused(); }
     Answer obey(const std::string& line);

@@ -26,6 +26,7 @@ struct PromptCommand {
     std::string reason;
 };
 
+inline constexpr const char* kInputEnded = "nobody answers any more: the input has ended";
 inline constexpr const char* kPromptHelp =
     "Enter: go on; r WHY: run the last trial again; x WHY: leave the last trial out; q: stop here";
 
@@ -55,7 +56,7 @@ class LineSource : boost::noncopyable {
     virtual bool ended() const = 0;
 };
 
-// The first line of either source. Both outlive this.
+// The first line of either source, which may be the same one. Both outlive this.
 class TwoLineSources final : public LineSource {
   public:
     TwoLineSources(LineSource& one, LineSource& other) : one_(&one), other_(&other) {}

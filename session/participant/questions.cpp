@@ -37,6 +37,8 @@ Asked ask_question(const Asker& asker, std::uint32_t number, const Question& que
     for (;;) {
         asker.runner.show(page);
         asker.runner.idle(kAnswerLook);
+        const Asked held = asker.hold ? asker.hold() : Asked::kAnswered;
+        if (held != Asked::kAnswered) return held;
         if (asker.stop != nullptr && *asker.stop) return Asked::kStopped;
         const auto answer = asker.runner.take_answer();
         if (answer && question.accepts(*answer)) {
@@ -46,6 +48,10 @@ Asked ask_question(const Asker& asker, std::uint32_t number, const Question& que
         const auto line = asker.lines == nullptr ? std::nullopt : asker.lines->take_line();
         const Asked obeyed = line ? obey(asker, *line) : Asked::kAnswered;
         if (obeyed != Asked::kAnswered) return obeyed;
+        if (asker.lines != nullptr && asker.lines->ended()) {
+            asker.say(kInputEnded);
+            return Asked::kStopped;
+        }
     }
 }
 

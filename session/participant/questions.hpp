@@ -29,7 +29,8 @@ struct Asker {
     const std::atomic<bool>* stop;
     const std::function<void(const std::string&)>& say;
     std::function<Asked(const std::string& line)>
-        obey{};  // any other command; kAnswered: the question goes on
+        obey{};                     // any other command; kAnswered: the question goes on
+    std::function<Asked()> hold{};  // waits while an emergency stop holds; kAnswered: the question goes on
 };
 
 // `number` as in PageSet::shown(). `value` gets the answer.

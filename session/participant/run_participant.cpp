@@ -145,7 +145,7 @@ bool experimenter_answers(const SystemSettings& settings, const ParticipantRun& 
 
 // On the screen, where the page set has a consent page that this participant has not agreed to in this version.
 Consent consent_of(const SystemSettings& settings, const ParticipantRun& run, const Dataset& dataset,
-                   std::uint32_t participant, RealTrials& trials, LineSource& typed) {
+                   std::uint32_t participant, RealTrials& trials, LineSource* answers) {
     const auto& page = settings.pages.consent;
     if (!page || settings.plan.kind != SubjectKind::kHuman) return Consent::kGiven;
     if (has_consented(dataset, *page, participant)) return Consent::kGiven;
@@ -153,7 +153,7 @@ Consent consent_of(const SystemSettings& settings, const ParticipantRun& run, co
     const std::function<void(const std::string&)> say = [&trials](const std::string& line) {
         trials.say(line);
     };
-    LineSource* const lines = experimenter_answers(settings, run) ? &typed : nullptr;
+    LineSource* const lines = answers == nullptr && run.view ? run.view->lines : answers;
     return ask_consent({trials, lines, run.stop, say}, *page);
 }
 
@@ -183,15 +183,12 @@ ParticipantSessionResult end_without_consent(const Dataset& dataset, std::uint32
 
 ParticipantSessionResult run_to_end(const SystemSettings& settings, const ParticipantRun& run,
                                     const Dataset& dataset, std::uint32_t participant, RealTrials& trials,
-                                    LineSource& typed) {
+                                    LineSource* answers) {
     const bool human = settings.plan.kind == SubjectKind::kHuman;
-    const bool asks = experimenter_answers(settings, run);
-    TwoLineSources both(typed, run.view ? *run.view->lines : typed);
-    LineSource* answers = run.view ? static_cast<LineSource*>(&both) : &typed;
     ParticipantSessionOptions options{dataset,
                                       participant,
                                       *settings.protocol,
-                                      asks ? answers : nullptr,
+                                      answers,
                                       human,
                                       run.stop,
                                       [&trials](const std::string& line) { trials.say(line); }};
@@ -225,7 +222,9 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
     RealTrials trials(condition_plan(settings, run, dataset, participant, order.front().conditions.delay_s),
                       run.stop, settings.protocol->blinded);
     DescriptorLines typed(STDIN_FILENO);
-    const Consent consent = consent_of(settings, run, dataset, participant, trials, typed);
+    TwoLineSources both(typed, run.view ? *run.view->lines : typed);
+    LineSource* const answers = experimenter_answers(settings, run) ? &both : nullptr;
+    const Consent consent = consent_of(settings, run, dataset, participant, trials, answers);
     if (consent != Consent::kGiven) return end_without_consent(dataset, participant, begun, consent, trials);
     // The order first: an analysis asks for the order of every participant that is in the table.
     if (!written) write_order(dataset.order(participant), order);
@@ -243,7 +242,7 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
                         "one is used",
                         dataset.order(participant).string(), other));
     }
-    ParticipantSessionResult result = run_to_end(settings, run, dataset, participant, trials, typed);
+    ParticipantSessionResult result = run_to_end(settings, run, dataset, participant, trials, answers);
     const ConditionResult closed = trials.close();
     if (result.code == ExitCode::kOk && closed.code == ExitCode::kRealtime) {
         result.code = closed.code;

@@ -61,10 +61,13 @@ class AnsweredTrials final : public TrialRunner {
     void idle(Duration limit) override { clock += limit; }
     SessionTime now() const override { return clock; }
     std::string problem() const override { return {}; }
+    std::string stop_text() const override { return asked == stop_at ? stopped_by : std::string(); }
+    void release_stop() override { stopped_by.clear(); }
 
     std::deque<double> answers;
     std::vector<std::string> events;
-    std::uint32_t asked = 0;
+    std::uint32_t asked = 0, stop_at = 0;  // the question that a stop comes with
+    std::string stopped_by;
     SessionTime clock{};
 };
 
@@ -75,7 +78,8 @@ class Questions : public testing::Test {
         file.read_all([&] { pages_ = read_page_set(file); });
     }
 
-    ParticipantSessionResult run(const std::string& more = "", LineSource* lines = nullptr) {
+    ParticipantSessionResult run(const std::string& more = "", LineSource* lines = nullptr,
+                                 LineSource* requests = nullptr) {
         const SystemSettings settings = short_settings(more);
         if (!is_table(dataset_.order(2))) {
             dataset_.open(SubjectKind::kHuman, settings.dataset);
@@ -87,6 +91,7 @@ class Questions : public testing::Test {
                 said_.push_back(line);
             }};
         options.lines = lines;
+        options.requests = requests;
         options.pages = &pages_;
         options.realtime_ns = [] { return std::int64_t{1'764'109'807'000'000'000}; };
         return ParticipantSession(std::move(options), trials_).run();
@@ -149,6 +154,22 @@ TEST_F(Questions, ARejectedTrialPutsOffTheQuestionsOfItsBlock) {
                              Contains(HasSubstr("questionnaire load comes after the repeat")),
                              Contains("trial 3 is excluded: late")));
     EXPECT_THAT(phenotype("load_block1.tsv"), HasSubstr("Z\tn/a\tn/a\n"));
+}
+
+TEST_F(Questions, HearAViewTheInputsEndAndAnEmergencyStop) {
+    WrittenLines view({"q"});
+    EXPECT_EQ(run("", nullptr, &view).code, ExitCode::kRunFailed);
+    WrittenLines ends({"s", "", "", ""});
+    EXPECT_EQ(run("", &ends).code, ExitCode::kRunFailed);
+    EXPECT_EQ(trials_.events.back(), "question 3");
+    EXPECT_THAT(said_, Contains(HasSubstr("the input has ended")));
+    trials_.stopped_by = "emergency stop (master): a key";
+    trials_.stop_at = 3;
+    WrittenLines release({"release", "s", "q"});
+    EXPECT_EQ(run("", &release).code, ExitCode::kRunFailed);
+    EXPECT_THAT(said_, Contains("emergency stop (master): a key, or type 'release'"));
+    EXPECT_THAT(said_, Contains("released"));
+    EXPECT_EQ(trials_.events.back(), "question 4");
 }
 
 TEST_F(Questions, ConsentHasAVersionAndATime) {
