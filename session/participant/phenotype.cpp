@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "session/participant/tsv.hpp"
@@ -22,8 +24,8 @@ using Line = std::vector<std::string>;  // the participant first
 // A table that is small and replaced as a whole: a reader finds the old one or the new one.
 class PersonTable {
   public:
-    PersonTable(const Dataset& dataset, std::string_view name, Columns columns)
-        : file_(dataset.folder() / "phenotype" / fmt::format("{}.tsv", name)), columns_(std::move(columns)) {
+    PersonTable(std::filesystem::path file, Columns columns)
+        : file_(std::move(file)), columns_(std::move(columns)) {
         if (!is_table(file_)) return;
         const std::vector<std::string_view> names(columns_.begin(), columns_.end());
         CsvReader reader(file_, names, '\t');
@@ -68,15 +70,33 @@ class PersonTable {
 
 constexpr std::size_t kTime = 1, kFirstAnswer = 2;
 
+std::filesystem::path file_of(const Dataset& dataset, std::string_view name) {
+    return dataset.folder() / "phenotype" / fmt::format("{}.tsv", name);
+}
+
+void check_questions(const std::filesystem::path& file, const Columns& columns, const std::string& name) {
+    std::string header;
+    std::ifstream text(file, std::ios::binary);
+    std::getline(text, header);
+    if (header.ends_with('\r')) header.pop_back();
+    if (header.empty() || header == fmt::format("{}", fmt::join(columns, "\t"))) return;
+    throw Error(ExitCode::kData,
+                "{}: the questions of questionnaire {} differ from those in this dataset: give the "
+                "questionnaire another name, or use another --out",
+                file.string(), name);
+}
+
 PersonTable table_of(const Dataset& dataset, const Questionnaire& form, std::uint32_t block) {
     Columns columns{"participant_id", "time_utc"};
     for (const Question& question : form.questions) columns.push_back(question.id);
     const bool blocks = form.when == AskedWhen::kBlock;
-    return {dataset, blocks ? fmt::format("{}_block{}", form.name, block) : form.name, std::move(columns)};
+    const auto file = file_of(dataset, blocks ? fmt::format("{}_block{}", form.name, block) : form.name);
+    check_questions(file, columns, form.name);
+    return {file, std::move(columns)};
 }
 
 PersonTable consent_table(const Dataset& dataset) {
-    return {dataset, "consent", {"participant_id", "time_utc", "consent", "version"}};
+    return {file_of(dataset, "consent"), {"participant_id", "time_utc", "consent", "version"}};
 }
 
 Json meaning_of(const Question& q) {
@@ -103,20 +123,29 @@ Json meanings_of(const ConsentPage& page) {
             {"version", {{"Description", "Of the text that the participant read"}}}};
 }
 
-}  // namespace
-
-void open_phenotype(const Dataset& dataset, const PageSet& pages, std::uint32_t blocks) {
-    const auto people = read_participants(dataset);
-    const auto open = [&people](PersonTable table, const Json& meanings) {
-        for (const std::uint32_t participant : people) table.line_of(participant);
-        table.write(meanings);
-    };
+// open(table, its meanings) for each one of a session of so many blocks.
+template <class Open>
+void for_each_table(const Dataset& dataset, const PageSet& pages, std::uint32_t blocks, const Open& open) {
     if (pages.consent) open(consent_table(dataset), meanings_of(*pages.consent));
     for (const Questionnaire& form : pages.questionnaires) {
         const std::uint32_t tables = form.when == AskedWhen::kBlock ? blocks : 1;
         for (std::uint32_t block = 1; block <= tables; ++block)
             open(table_of(dataset, form, block), meanings_of(form));
     }
+}
+
+}  // namespace
+
+void check_phenotype(const Dataset& dataset, const PageSet& pages, std::uint32_t blocks) {
+    for_each_table(dataset, pages, blocks, [](const PersonTable&, const Json&) {});
+}
+
+void open_phenotype(const Dataset& dataset, const PageSet& pages, std::uint32_t blocks) {
+    const auto people = read_participants(dataset);
+    for_each_table(dataset, pages, blocks, [&people](PersonTable table, const Json& meanings) {
+        for (const std::uint32_t participant : people) table.line_of(participant);
+        table.write(meanings);
+    });
 }
 
 void write_answers(const Dataset& dataset, const Questionnaire& form, const FilledForm& filled) {

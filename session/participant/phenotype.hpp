@@ -24,6 +24,9 @@ struct FilledForm {
 // other columns.
 void open_phenotype(const Dataset& dataset, const PageSet& pages, std::uint32_t blocks);
 
+// Before anything is written: throws the same Error.
+void check_phenotype(const Dataset& dataset, const PageSet& pages, std::uint32_t blocks);
+
 // On the disk when they return.
 void write_answers(const Dataset& dataset, const Questionnaire& form, const FilledForm& filled);
 void write_consent(const Dataset& dataset, const ConsentPage& page, std::uint32_t participant,

@@ -214,6 +214,7 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
     bool written = false;
     const auto order = order_of(settings, dataset, participant, run.resume, written);
     check_delay(settings, order, run.starter == nullptr);
+    if (kind == SubjectKind::kHuman) check_phenotype(dataset, settings.pages, order.back().block);
     if (run.check_screen) run.check_screen();
 
     const bool begun = has_begun(dataset, participant);

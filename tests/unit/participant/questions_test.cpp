@@ -190,6 +190,18 @@ TEST_F(Questions, ConsentHasAVersionAndATime) {
     EXPECT_FALSE(has_consented(dataset_, *pages_.consent, 2)) << "another text";
 }
 
+TEST_F(Questions, ChangedQuestionsAreNoticedBeforeAnythingIsWritten) {
+    check_phenotype(dataset_, pages_, 2);
+    EXPECT_FALSE(std::filesystem::exists(dataset_.folder()));
+    trials_.answers = {31, 45, 2, 50, 1, 7};
+    run();
+    check_phenotype(dataset_, pages_, 2);
+    pages_.questionnaires[1].questions.pop_back();
+    const auto check = [&] { check_phenotype(dataset_, pages_, 2); };
+    EXPECT_THAT(refusal(check, ExitCode::kData),
+                HasSubstr("the questions of questionnaire load differ from those in this dataset"));
+}
+
 TEST_F(Questions, WhoHasAgreedOrIsInTheTableIsKnown) {
     EXPECT_FALSE(knows_person(dataset_, 2));
     write_consent(dataset_, *pages_.consent, 2, utc_text(1'764'109'807'000'000'000));
