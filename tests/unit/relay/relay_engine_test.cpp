@@ -284,7 +284,9 @@ TEST_F(Bench, JoinsNothingAtALowRate) {
     while (engine_->totals(wall_now())[RelayDirection::kUp].packets.pushed < 40)
         engine_->step(wall_now() + milliseconds{1});
     wall_sleep(milliseconds{30});  // now all are due at once
-    for (const Heard& heard : hear(server_, 40)) EXPECT_EQ(heard.words, "x");
+    const std::vector<Heard> all = hear(server_, 40);
+    EXPECT_EQ(all.size(), 40U);
+    for (const Heard& heard : all) EXPECT_EQ(heard.words, "x");
 }
 
 TEST_F(Bench, HasSeveralInlets) {
