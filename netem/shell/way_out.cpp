@@ -66,12 +66,12 @@ bool is_taken(int number) {
 }  // namespace
 
 WayOut::WayOut() {
-    if (geteuid() == 0) open_host_device();
+    const std::string refusal = geteuid() == 0 ? open_host_device() : "or run as root";
     start_slirp();
     if (frames_ < 0 && host_ < 0) {
-        throw Error(
-            ExitCode::kNetwork,
-            "no way out of the namespace: install slirp4netns (apt install slirp4netns), or run as root");
+        throw Error(ExitCode::kNetwork,
+                    "no way out of the namespace: install slirp4netns (apt install slirp4netns), {}",
+                    refusal);
     }
 }
 
@@ -122,7 +122,7 @@ void WayOut::connect_slirp(const std::string& path) {
 }
 
 // The first number that neither another shell nor this machine's network has.
-void WayOut::open_host_device() {
+std::string WayOut::open_host_device() {
     try {
         for (int number = 0; host_ < 0 && number < kMostHostDevices; ++number) {
             if (is_taken(number)) continue;
@@ -133,9 +133,11 @@ void WayOut::open_host_device() {
             host_has_ip6_ = configure_tun(name, {{ip4_of(number, 1), ip6_of(number, 1), 30, 64}}, false);
             host_stamps_ = open_stamp_socket(name);
         }
-    } catch (const Error&) {  // root of a container without rights to its network: as any other user
+    } catch (const Error& error) {  // root of a container without rights to its network: as any other user
         if (host_ >= 0) close(std::exchange(host_, -1));
+        return fmt::format("or mend this for a device of root's: {}", error.what());
     }
+    return "or remove devices: the networks from 10.77.0.0 on are all taken";
 }
 
 std::string WayOut::host_ip4() const { return host_ >= 0 ? ip4_of(host_number_, 1) : kSlirpHost4; }

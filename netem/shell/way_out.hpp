@@ -28,7 +28,7 @@ class WayOut : boost::noncopyable {
   private:
     void start_slirp();
     void connect_slirp(const std::string& path);
-    void open_host_device();
+    std::string open_host_device();  // without one: what root can do about it
     std::string host_ip4() const;
     std::string host_ip6() const;
 
