@@ -166,7 +166,7 @@ std::vector<PacketPort> WayOut::ports() const {
 
 Environment WayOut::environment(bool has_ip6) const {
     Environment environment{{"THIMBLE_HOST", host_ip4()}};
-    if (has_ip6) environment.emplace_back("THIMBLE_HOST6", host_ip6());
+    if (has_ip6 && (frames_ >= 0 || host_has_ip6_)) environment.emplace_back("THIMBLE_HOST6", host_ip6());
     return environment;
 }
 

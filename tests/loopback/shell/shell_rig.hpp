@@ -51,13 +51,14 @@ class ShellTest : public testing::Test {
 #define THIMBLE_NEEDS(program, package) \
     if (!has(program)) GTEST_SKIP() << "there is no " program " (package " package ")"
 
-// A socket of this machine on all addresses, both of IPv4 and of IPv6; a thread hands what comes to `answer`.
+// A socket of this machine on all addresses, of IPv4 and, where the kernel has it, of IPv6; a thread hands what comes to `answer`.
 class OuterServer {
   public:
     OuterServer(int type, std::function<void(int socket)> answer)
         : socket_(::socket(AF_INET6, type | SOCK_CLOEXEC, 0)) {
-        sockaddr_in6 address{};
-        address.sin6_family = AF_INET6;
+        sockaddr_in6 address{};  // begins as that of IPv4
+        address.sin6_family = socket_ >= 0 ? AF_INET6 : AF_INET;
+        if (socket_ < 0) socket_ = ::socket(AF_INET, type | SOCK_CLOEXEC, 0);
         socklen_t size = sizeof address;
         auto* raw = static_cast<sockaddr*>(static_cast<void*>(&address));
         EXPECT_EQ(bind(socket_, raw, size), 0);
