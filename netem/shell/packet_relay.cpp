@@ -138,7 +138,9 @@ void PacketRelay::record_sent(std::size_t direction, const Departure& departure,
         totals.bytes += departure.bytes.size();
         note_stages(direction, departure);
         totals.delay.add(sent - departure.received);
+        totals.delay_moments.add(sent - departure.received);
         totals.error.add(sent - departure.due);
+        totals.error_moments.add(sent - departure.due);
         if (sent - departure.due > kStall) ++totals.late;
     } else {
         ++totals.refused;
@@ -219,7 +221,10 @@ RelayState PacketRelay::state(SessionTime now) const {
                      .margin = waiter_.margin(),
                      .precise = waiter_.precise(),
                      .send_lead = send_lead()};
-    for (std::size_t d = 0; d < 2; ++d) state.totals.direction[d].packets = links_[d].counters();
+    for (std::size_t d = 0; d < 2; ++d) {
+        state.totals.direction[d].packets = links_[d].counters();
+        state.totals.direction[d].in_flight = links_[d].in_flight();
+    }
     state.totals.flows = state.totals.flows_opened = 1;
     state.totals.log_missing = log_ == nullptr ? 0 : log_->missing();
     for (const auto& stamps : stamps_) state.totals.untrusted_stamps += stamps->missing();

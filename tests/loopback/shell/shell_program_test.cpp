@@ -105,9 +105,15 @@ TEST_F(ShellProgram, FatesAreThoseOfTheSeed) {
 }
 
 TEST_F(ShellProgram, ReportsAndLogs) {
-    const ProgramResult result = netem("shell --json --link up.delay_s=0.01 --log log.csv", {"exit 0"});
+    THIMBLE_NEEDS("bash", "bash");
+    const ProgramResult result =
+        run_program(netem_program(),
+                    words_in("shell --json --link up.delay_s=0.01 --log log.csv -- bash -c",
+                             {"echo > /dev/udp/$THIMBLE_HOST/9"}),
+                    folder_ / "", "build it");
     const auto report = nlohmann::json::parse(result.output.substr(result.output.find('{')));
     EXPECT_EQ(report.at("up").at("asked").at("delay_s"), 0.01);
+    EXPECT_GE(report.at("up").at("delay").at("achieved_mean_s").get<double>(), 0.01);
     EXPECT_TRUE(report.at("shell").contains("no_ip_packets"));
     EXPECT_THAT(read_text(folder_ / "log.csv"), HasSubstr("received"));
 }
