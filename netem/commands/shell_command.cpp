@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,15 +25,16 @@ namespace {
 struct ShellOptions {
     std::string profile, uplink, downlink, log, control;
     std::vector<std::string> link;
-    std::uint64_t seed = 1;
+    std::optional<std::uint64_t> seed;  // without it that of tc's words, or 1
     bool precise = false, json = false, default_scheduling = false;
 };
 
-void take_words(LinkSettings& link, const std::string& words) {
+void take_words(LinkSettings& link, const std::string& words, std::uint64_t& seed) {
     if (words.empty()) return;
     TcLink read = parse_tc_words(words);
     for (const std::string& note : read.notes) spdlog::info(note);
     link = std::move(read.link);
+    seed = read.seed.value_or(seed);
 }
 
 void read_links(const ShellOptions& options, ShellSettings& settings) {
@@ -41,9 +43,11 @@ void read_links(const ShellOptions& options, ShellSettings& settings) {
         for (const std::string& note : profile.notes) spdlog::info(note);
         settings.links = {std::move(profile.up), std::move(profile.down)};
         settings.timelines = {std::move(profile.up_changes), std::move(profile.down_changes)};
+        settings.seed = profile.seed.value_or(settings.seed);
     }
-    take_words(settings.links.up, options.uplink);
-    take_words(settings.links.down, options.downlink);
+    take_words(settings.links.up, options.uplink, settings.seed);
+    take_words(settings.links.down, options.downlink, settings.seed);
+    settings.seed = options.seed.value_or(settings.seed);
     settings.links = assign(settings.links, options.link);
 }
 
@@ -64,7 +68,6 @@ int run(const ShellOptions& options, std::vector<std::vector<std::string>> comma
     ShellSettings settings;
     settings.commands = std::move(commands);
     read_links(options, settings);
-    settings.seed = options.seed;
     settings.precise = options.precise;
     settings.runtime.realtime_scheduling = !options.default_scheduling;
     settings.log = options.log;
@@ -87,8 +90,8 @@ std::shared_ptr<ShellOptions> options_of(CLI::App& command, const char* up, cons
     command.add_option("--downlink", o->downlink, fmt::format("tc's words for {}", down))->type_name("WORDS");
     command.add_option("--link", o->link, "single settings on top of it, e.g. up.delay_s=0.05 loss=0.01")
         ->type_name("KEY=VALUE");
-    command.add_option("--seed", o->seed, "the same seed gives each packet the same fate")
-        ->capture_default_str();
+    command.add_option("--seed", o->seed,
+                       "the same seed gives each packet the same fate; 1, or that of tc's words");
     command.add_flag("--precise", o->precise,
                      "spin before due times: microseconds instead of tens, for some CPU");
     command.add_flag("--default-scheduling", o->default_scheduling, "do not ask for real-time scheduling");

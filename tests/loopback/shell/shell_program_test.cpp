@@ -88,18 +88,18 @@ std::set<int> arrived(const std::function<ProgramResult(const std::string& port)
 
 TEST_F(ShellProgram, FatesAreThoseOfTheSeed) {
     THIMBLE_NEEDS("bash", "bash");
-    const auto with_seed = [this](const std::string& seed) {
+    const auto with = [this](const std::vector<std::string>& options) {
         return arrived([&](const std::string& port) {
-            return run_program(netem_program(),
-                               words_in("shell --link up.loss=0.2 --seed " + seed + " -- bash -c",
-                                        {"exec 3> /dev/udp/$THIMBLE_HOST/" + port +
-                                         "; for i in {1..300}; do echo $i >&3; done"}),
-                               folder_ / "", "build it");
+            std::vector<std::string> words = words_in("shell --link up.loss=0.2", options);
+            words.insert(words.end(), {"--", "bash", "-c",
+                                       "exec 3> /dev/udp/$THIMBLE_HOST/" + port +
+                                           "; for i in {1..300}; do echo $i >&3; done"});
+            return run_program(netem_program(), words, folder_ / "", "build it");
         });
     };
-    const std::set<int> first = with_seed("5");
-    EXPECT_EQ(first, with_seed("5"));
-    EXPECT_NE(first, with_seed("6"));
+    const std::set<int> first = with({"--seed", "5"});
+    EXPECT_EQ(first, with({"--uplink", "loss 20% seed 5"}));
+    EXPECT_NE(first, with({"--uplink", "loss 20% seed 5", "--seed", "6"}));
     EXPECT_GT(first.size(), 180U);
     EXPECT_LT(first.size(), 290U);
 }
