@@ -31,9 +31,10 @@ struct ShellOptions {
 
 void take_words(LinkSettings& link, const std::string& words, std::uint64_t& seed) {
     if (words.empty()) return;
-    TcLink read = parse_tc_words(words);
+    TcWays read = parse_tc(words);
+    if (read.one_way) read.notes.pop_back();  // which asks for `both`; the option has said the way
     for (const std::string& note : read.notes) spdlog::info(note);
-    link = std::move(read.link);
+    link = std::move(read.up == LinkSettings{} ? read.down : read.up);
     seed = read.seed.value_or(seed);
 }
 

@@ -106,13 +106,16 @@ TEST_F(ShellProgram, FatesAreThoseOfTheSeed) {
 
 TEST_F(ShellProgram, ReportsAndLogs) {
     THIMBLE_NEEDS("bash", "bash");
-    const ProgramResult result =
-        run_program(netem_program(),
-                    words_in("shell --json --link up.delay_s=0.01 --log log.csv -- bash -c",
-                             {"echo > /dev/udp/$THIMBLE_HOST/9"}),
-                    folder_ / "", "build it");
+    const ProgramResult result = run_program(
+        netem_program(),
+        words_in("shell --json --log log.csv",
+                 {"--uplink", "delay 10ms", "--downlink", "tc qdisc add dev ifb0 root netem delay 20ms", "--",
+                  "bash", "-c", "echo > /dev/udp/$THIMBLE_HOST/9"}),
+        folder_ / "", "build it");
+    EXPECT_THAT(result.output, Not(HasSubstr("add `both`")));
     const auto report = nlohmann::json::parse(result.output.substr(result.output.find('{')));
     EXPECT_EQ(report.at("up").at("asked").at("delay_s"), 0.01);
+    EXPECT_EQ(report.at("down").at("asked").at("delay_s"), 0.02);
     EXPECT_GE(report.at("up").at("delay").at("achieved_mean_s").get<double>(), 0.01);
     EXPECT_TRUE(report.at("shell").contains("no_ip_packets"));
     EXPECT_THAT(read_text(folder_ / "log.csv"), HasSubstr("received"));
