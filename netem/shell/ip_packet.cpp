@@ -16,7 +16,7 @@ IpPacket read_ip4(Bytes frame) {
     const std::size_t whole = read_u16(frame, 2);
     if (header < kHeader4 || whole < header || whole > frame.size()) return {};
     const IpKind kind = frame[9] == kIgmp ? IpKind::kLocal : IpKind::kData;
-    return {kind, false, frame.first(whole), frame.subspan(16, 4)};
+    return {kind, false, frame.first(whole), frame.subspan(16, 4), frame[1]};
 }
 
 // Multicast listener (130 to 132, 143), router and neighbour discovery and redirects (133 to 137).
@@ -41,10 +41,24 @@ IpPacket read_ip6(Bytes frame) {
     const Bytes packet = frame.first(whole);
     const auto type = icmp6_type(packet);
     const IpKind kind = type && is_local_icmp6(*type) ? IpKind::kLocal : IpKind::kData;
-    return {kind, true, packet, packet.subspan(24, 16)};
+    const auto traffic_class = static_cast<std::uint8_t>(read_u16(packet, 0) >> 4);
+    return {kind, true, packet, packet.subspan(24, 16), traffic_class};
 }
 
 }  // namespace
+
+void mark_congestion(std::span<std::uint8_t> packet) {
+    if (packet[0] >> 4 == 6) {
+        packet[1] |= kCongestionExperienced << 4;
+        return;
+    }
+    const std::size_t before = read_u16(packet, 0);
+    packet[1] |= kCongestionExperienced;
+    std::size_t sum = (~read_u16(packet, 10) & 0xFFFF) + (~before & 0xFFFF) + read_u16(packet, 0);
+    while (sum > 0xFFFF) sum = (sum & 0xFFFF) + (sum >> 16);
+    packet[10] = static_cast<std::uint8_t>(~sum >> 8);
+    packet[11] = static_cast<std::uint8_t>(~sum);
+}
 
 IpPacket read_ip_packet(Bytes frame) {
     if (frame.empty()) return {};

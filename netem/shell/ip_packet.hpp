@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "common/channel.hpp"
 
@@ -14,14 +15,20 @@ enum class IpKind : std::uint8_t {
     kGarbage,  // no IP packet, or one that is cut
 };
 
+inline constexpr std::uint8_t kCongestionExperienced = 3;  // both ECN bits
+
 struct IpPacket {
     IpKind kind = IpKind::kGarbage;
     bool v6 = false;
-    Bytes bytes{};        // without what may follow the packet in its frame
-    Bytes destination{};  // 4 or 16 bytes
+    Bytes bytes{};                   // without what may follow the packet in its frame
+    Bytes destination{};             // 4 or 16 bytes
+    std::uint8_t traffic_class = 0;  // DSCP and ECN bits
 };
 
 // Never throws; the spans point into `frame`.
 IpPacket read_ip_packet(Bytes frame);
+
+// "Congestion experienced" in the header of a packet that read_ip_packet() knows. The checksum of IPv4 follows (RFC 1624).
+void mark_congestion(std::span<std::uint8_t> packet);
 
 }  // namespace thimble

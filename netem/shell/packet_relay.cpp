@@ -118,14 +118,23 @@ const PacketPort& PacketRelay::port_for(std::size_t direction, Bytes packet) con
     return found == ports_.end() ? ports_.back() : *found;
 }
 
+// As it leaves: the link marks beside the packet, whose header has the bits. A corrupted header may be none any more.
+Bytes PacketRelay::packet_of(const Departure& departure) {
+    const bool congested = (departure.traffic_class & kCongestionExperienced) == kCongestionExperienced;
+    if (!congested || read_ip_packet(departure.bytes).kind == IpKind::kGarbage) return departure.bytes;
+    marked_.assign(departure.bytes.begin(), departure.bytes.end());
+    mark_congestion(marked_);
+    return marked_;
+}
+
 void PacketRelay::send(std::size_t direction, const Departure& departure) {
-    const PacketPort& port = port_for(direction, departure.bytes);
+    const Bytes packet = packet_of(departure);
+    const PacketPort& port = port_for(direction, packet);
     const SessionTime before = wall_now();
     if (const SessionTime woken = std::exchange(woken_, kNever); woken != kNever)
         handling_.add(before - woken);
-    const bool accepted = port.ethernet
-                              ? send_frame(port.descriptor, departure.bytes)
-                              : write(port.descriptor, departure.bytes.data(), departure.bytes.size()) > 0;
+    const bool accepted = port.ethernet ? send_frame(port.descriptor, packet)
+                                        : write(port.descriptor, packet.data(), packet.size()) > 0;
     const SessionTime sent = wall_now();
     writing_.add(sent - before);
     record_sent(direction, departure, sent, accepted);
@@ -188,7 +197,7 @@ bool PacketRelay::read_one(std::size_t port, DeviceStamps& stamps) {
     const SessionTime received = stamps.of(frame, now);
     const IpPacket packet = read_ip_packet(ports_[port].ethernet ? ip_of_frame(frame) : frame);
     if (packet.kind == IpKind::kData) {
-        push(port == 0 ? 0 : 1, packet.bytes, received);
+        push(port == 0 ? 0 : 1, packet, received);
     } else {
         ++(packet.kind == IpKind::kLocal ? port_totals_.local : port_totals_.garbage);
     }
@@ -196,10 +205,10 @@ bool PacketRelay::read_one(std::size_t port, DeviceStamps& stamps) {
 }
 
 // A link's packets never go back in time.
-void PacketRelay::push(std::size_t direction, Bytes packet, SessionTime received) {
-    if (drops_[direction]) drops_[direction]->expect(packet.size());
+void PacketRelay::push(std::size_t direction, const IpPacket& packet, SessionTime received) {
+    if (drops_[direction]) drops_[direction]->expect(packet.bytes.size());
     last_received_[direction] = std::max(last_received_[direction], received);
-    links_[direction].push(last_received_[direction], packet);
+    links_[direction].push(last_received_[direction], packet.bytes, packet.traffic_class);
 }
 
 // The other ports go on: a shell whose slirp4netns has ended still reaches this machine.

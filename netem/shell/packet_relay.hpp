@@ -83,7 +83,8 @@ class PacketRelay final : public SteeredRelay {
     const PacketPort& port_for(std::size_t direction, Bytes packet) const;
     void receive(std::size_t port);
     bool read_one(std::size_t port, DeviceStamps& stamps);
-    void push(std::size_t direction, Bytes packet, SessionTime received);
+    void push(std::size_t direction, const IpPacket& packet, SessionTime received);
+    Bytes packet_of(const Departure& departure);
     void close_port(std::size_t port);
     void note_stages(std::size_t direction, const Departure& departure);
     void record_sent(std::size_t direction, const Departure& departure, SessionTime sent, bool accepted);
@@ -104,8 +105,9 @@ class PacketRelay final : public SteeredRelay {
     std::vector<std::unique_ptr<DeviceStamps>> stamps_;  // of each port
     std::array<std::unique_ptr<DropNote>, 2> drops_;
     std::array<SessionTime, 2> last_received_{};
-    LeastLately handling_, writing_;  // from waking to the call that sends; that call
-    SessionTime woken_ = kNever;      // by a due time, until the first packet has been sent
+    LeastLately handling_, writing_;    // from waking to the call that sends; that call
+    SessionTime woken_ = kNever;        // by a due time, until the first packet has been sent
+    std::vector<std::uint8_t> marked_;  // the last packet that a link has marked
     RelayTotals totals_;
     PortTotals port_totals_;
     std::array<StageTotals, 2> stages_{};

@@ -130,6 +130,28 @@ TEST_F(PacketRelayTest, FatesAreThoseOfTheSeed) {
     }
 }
 
+// A packet that understands ECN is marked instead of lost, and its checksum stays right.
+TEST_F(PacketRelayTest, MarksInsteadOfLosing) {
+    LinkPair links;
+    links.up.loss = LossSettings::independent(1);
+    links.up.ecn = true;
+    PacketRelay under_test = relay(links);
+    Octets v4 = with_checksum(ip4_packet(kUdp, "hello")), v6 = ip6_packet(kUdp, {1, 2, 3});
+    program.say(v4);
+    v4[1] = 0xBA;
+    v6[1] = 0x25;
+    program.say(with_checksum(v4));
+    program.say(v6);
+    run(under_test);
+    v4[1] = 0xBB;
+    v6[1] = 0x35;
+    EXPECT_EQ(host.hear(), with_checksum(v4));
+    const Octets frame = slirp.hear().value();
+    EXPECT_EQ(Octets(frame.begin() + kEthernetBytes, frame.end()), v6);
+    EXPECT_FALSE(host.hear());
+    EXPECT_EQ(under_test.state(wall_now()).totals[RelayDirection::kUp].packets.marked, 2U);
+}
+
 TEST_F(PacketRelayTest, ChangesHoldFromThenOn) {
     PacketRelay under_test = relay();
     LinkPair links;

@@ -1,6 +1,7 @@
-// IP packets for tests, right but for their checksums.
+// IP packets for tests, without checksums.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,17 @@ inline Octets ip4_packet(std::uint8_t protocol, std::string_view payload) {
     packet[16] = 10;
     packet[19] = 2;
     packet.insert(packet.end(), payload.begin(), payload.end());
+    return packet;
+}
+
+// An IPv4 packet with the checksum of its header: all 16-bit words add up to 0xFFFF.
+inline Octets with_checksum(Octets packet) {
+    packet[10] = packet[11] = 0;
+    unsigned sum = 0;
+    for (std::size_t i = 0; i < 20; i += 2) sum += unsigned{packet[i]} << 8 | packet[i + 1];
+    while (sum > 0xFFFF) sum = (sum & 0xFFFF) + (sum >> 16);
+    packet[10] = static_cast<std::uint8_t>(~sum >> 8);
+    packet[11] = static_cast<std::uint8_t>(~sum);
     return packet;
 }
 
