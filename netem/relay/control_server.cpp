@@ -59,7 +59,7 @@ void remove_stale(const std::filesystem::path& path) {
         Address address = address_of(path);
         const int probe = open_socket();
         const bool refused = connect(probe, address.raw(), address.size) != 0;
-        const bool dead = refused && (errno == ECONNREFUSED || errno == EPROTOTYPE);  // or of another kind
+        const bool dead = refused && errno == ECONNREFUSED;  // EPROTOTYPE: it lives, and is of another kind
         close(probe);
         if (dead && unlink(path.c_str()) == 0) return;
     }
@@ -68,17 +68,24 @@ void remove_stale(const std::filesystem::path& path) {
 }
 
 // The kernel gives the file the mode of the socket it is bound from: never open to others, not even for a moment.
-int listen_at(const std::filesystem::path& path) {
+bool bind_and_listen(int opened, const std::filesystem::path& path) {
     Address address = address_of(path);
+    return fchmod(opened, 0600) == 0 && bind(opened, address.raw(), address.size) == 0 &&
+           chmod(path.c_str(), 0600) == 0 && listen(opened, static_cast<int>(kMostAskers)) == 0;
+}
+
+// It gets its name when it listens, so nobody finds it dead. link() never replaces a file, as rename() would.
+int listen_at(const std::filesystem::path& path) {
+    address_of(path);
     remove_stale(path);
+    const std::filesystem::path nameless = path.parent_path() / fmt::format(".{}", getpid());
     const int opened = open_socket();
-    if (fchmod(opened, 0600) != 0 || bind(opened, address.raw(), address.size) != 0 ||
-        chmod(path.c_str(), 0600) != 0 || listen(opened, static_cast<int>(kMostAskers)) != 0) {
-        const std::string why = std::strerror(errno);
-        close(opened);
-        throw Error(ExitCode::kNetwork, "--control: cannot make '{}': {}", path.string(), why);
-    }
-    return opened;
+    const bool made = bind_and_listen(opened, nameless) && link(nameless.c_str(), path.c_str()) == 0;
+    const std::string why = std::strerror(errno);
+    unlink(nameless.c_str());
+    if (made) return opened;
+    close(opened);
+    throw Error(ExitCode::kNetwork, "--control: cannot make '{}': {}", path.string(), why);
 }
 
 bool readable(int descriptor, int timeout_ms) {
