@@ -102,7 +102,8 @@ void enter_namespaces() {
 // Over /etc/resolv.conf, for this namespace only: the outer one may name a server on this machine's loopback. Where that fails
 // programs ask the servers that are named outside.
 void name_server_is(const std::string& address) {
-    mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
+    // Where "/" is no mount, as in a chroot, this fails: then the file would stand in the outer namespace too.
+    if (mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0) return;
     std::string file = (std::getenv("TMPDIR") != nullptr ? std::string(std::getenv("TMPDIR")) : "/tmp") +
                        "/thimble-resolv-XXXXXX";
     const int opened = mkstemp(file.data());
