@@ -18,6 +18,7 @@ constexpr Duration kPatience = std::chrono::seconds{2};
 }  // namespace
 
 SignalLine::SignalLine() : descriptor_(-1) {
+    std::signal(SIGCHLD, SIG_DFL);  // ignored, as some parents hand it down, it leaves no exit codes
     sigset_t wanted;
     sigemptyset(&wanted);
     for (const int number : kForwarded) sigaddset(&wanted, number);
@@ -54,9 +55,11 @@ void Programs::signal_all(int number) {
 
 void Programs::look(SessionTime now) {
     for (std::size_t i = 0; i < rooms_.size(); ++i) {
+        if (codes_[i]) continue;
         int status = 0;
-        if (!codes_[i] && waitpid(rooms_[i]->pid(), &status, WNOHANG) == rooms_[i]->pid())
-            note_end(i, status, now);
+        const pid_t ended = waitpid(rooms_[i]->pid(), &status, WNOHANG);
+        if (ended < 0) status = W_EXITCODE(1, 0);  // its end is not known
+        if (ended != 0) note_end(i, status, now);
     }
     if (now >= ask_at_) {
         if (rooms_.size() > 1) signal_descendants(SIGTERM, -1);  // also to what a script has started

@@ -23,6 +23,11 @@ TEST_F(ShellProgram, ExitCodeIsThePrograms) {
     EXPECT_EQ(netem("shell", {"kill -9 $$"}).exit_code, 137);
 }
 
+TEST_F(ShellProgram, EndsWhereItsParentIgnoresChildren) {
+    const std::string words = "trap '' CHLD; exec " + netem_program() + " shell -- sh -c 'exit 7'";
+    EXPECT_EQ(run_program("sh", {"-c", words}, folder_ / "", "install it").exit_code, 7);
+}
+
 TEST_F(ShellProgram, FolderUserAndEnvironmentStay) {
     setenv("THIMBLE_TEST_WORD", "kept", 1);
     const ProgramResult result =
