@@ -1,6 +1,9 @@
 #include "netem/shell/shell_service.hpp"
 
+#include <algorithm>
+#include <linux/sockios.h>
 #include <optional>
+#include <sys/ioctl.h>
 
 #include <spdlog/spdlog.h>
 
@@ -58,8 +61,16 @@ class Linger {
     SessionTime end_ = kNever, empty_since_ = kNever;
 };
 
+// slirp4netns has read its frames; it is ended with those that it has not.
+bool all_read(const std::vector<PacketPort>& ports) {
+    return std::none_of(ports.begin(), ports.end(), [](const PacketPort& port) {
+        int unread_bytes = 0;
+        return port.ethernet && ioctl(port.descriptor, SIOCOUTQ, &unread_bytes) == 0 && unread_bytes > 0;
+    });
+}
+
 void relay_until_ended(PacketRelay& relay, Programs& programs, SignalLine& signals, ControlServer* control,
-                       Linger linger) {
+                       const std::vector<PacketPort>& outer, Linger linger) {
     for (;;) {
         SessionTime now = wall_now();
         relay.step(now + (programs.all_ended() ? kQuiet / 4 : kLook));
@@ -67,7 +78,7 @@ void relay_until_ended(PacketRelay& relay, Programs& programs, SignalLine& signa
         now = wall_now();
         while (const auto signal = signals.next()) programs.obey(*signal, now);
         programs.look(now);
-        if (programs.all_ended() && linger.over(now, relay.empty())) return;
+        if (programs.all_ended() && linger.over(now, relay.empty() && all_read(outer))) return;
     }
 }
 
@@ -99,7 +110,8 @@ ShellResult run_wired(const ShellSettings& settings, Programs& programs, SignalL
         {settings.links, settings.timelines, settings.seed, precise, wiring.inner, wiring.outer},
         log ? &*log : nullptr, signals.descriptor());
     for (std::size_t i = 0; i < wiring.environments.size(); ++i) programs.start(i, wiring.environments[i]);
-    relay_until_ended(relay, programs, signals, control ? &*control : nullptr, Linger(settings.links));
+    relay_until_ended(relay, programs, signals, control ? &*control : nullptr, wiring.outer,
+                      Linger(settings.links));
     ShellResult result{programs.exit_code(), describe(relay.state(wall_now()))};
     result.report["shell"] = {{"no_ip_packets", relay.ports().garbage},
                               {"kernel_packets", relay.ports().local},
