@@ -21,7 +21,7 @@ constexpr unsigned kSnapBytes = 48;  // headers of IP and UDP, and some of what 
 constexpr unsigned kEntryBytes = 256, kBlockBytes = 1U << 16, kBlocks = 16;
 constexpr std::size_t kEntries = std::size_t{kBlocks} * kBlockBytes / kEntryBytes;
 constexpr std::size_t kRingBytes = std::size_t{kBlocks} * kBlockBytes;
-constexpr std::size_t kLookAhead = 64;  // entries of packets that the device dropped
+constexpr std::size_t kLookAhead = 64;  // as many without a match are of packets that the device dropped
 
 // Only what leaves by the device, and only its beginning.
 bool keep_outgoing(int socket) {
@@ -56,6 +56,14 @@ tpacket2_hdr header_of(const std::uint8_t* entry) {
     tpacket2_hdr header{};
     std::memcpy(&header, entry, sizeof header);
     return header;
+}
+
+bool is_of(Bytes packet, const tpacket2_hdr& header, const std::uint8_t* entry) {
+    const std::size_t size =
+        std::min({std::size_t{header.tp_snaplen}, std::size_t{kSnapBytes}, packet.size()});
+    return header.tp_len == packet.size() &&
+           std::equal(packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(size),
+                      entry + header.tp_mac);
 }
 
 std::atomic_ref<std::uint32_t> status_of(std::uint8_t* entry) {
@@ -97,18 +105,13 @@ void DeviceStamps::release(std::size_t count) {
 
 SessionTime DeviceStamps::of(Bytes packet, SessionTime now) {
     if (ring_ == nullptr) return now;
-    for (std::size_t ahead = 0; ahead < kLookAhead; ++ahead) {
-        const std::uint8_t* const found = entry(ahead);
-        if (found == nullptr) break;
+    std::size_t seen = 0;
+    while (const std::uint8_t* const found = entry(seen)) {
         const tpacket2_hdr header = header_of(found);
-        if (header.tp_len != packet.size()) continue;
-        const std::size_t size =
-            std::min({std::size_t{header.tp_snaplen}, std::size_t{kSnapBytes}, packet.size()});
-        if (!std::equal(packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(size),
-                        found + header.tp_mac))
-            continue;
-        release(ahead + 1);
-        return clock_.to_session(std::int64_t{header.tp_sec} * 1'000'000'000 + header.tp_nsec, now);
+        const bool matches = is_of(packet, header, found);
+        if (++seen == kLookAhead || matches) release(std::exchange(seen, 0));
+        if (matches)
+            return clock_.to_session(std::int64_t{header.tp_sec} * 1'000'000'000 + header.tp_nsec, now);
     }
     ++missing_;
     return now;
