@@ -71,7 +71,9 @@ void Programs::look(SessionTime now) {
 
 void Programs::note_end(std::size_t program, int status, SessionTime now) {
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    const bool ended_by_us = kill_at_ != kNever && (code == 128 + SIGTERM || code == 128 + SIGKILL);
+    const bool by_signal = code == 128 + SIGTERM || code == 128 + SIGKILL;
+    // Asked because the other has ended, a program may exit with any code.
+    const bool ended_by_us = kill_at_ != kNever && (by_signal || asked_ == 0);
     const int counted = ended_by_us ? asked_code_ : code;
     codes_[program] = code;
     if (exit_code_ == 0) exit_code_ = counted;

@@ -36,7 +36,7 @@ class Programs {
     // Takes note of what has ended, and ends the rest of a pair in its time.
     void look(SessionTime now);
     bool all_ended() const;
-    // 128 + n for signal n. Of a pair the first that is not 0; one that was ended because the other had does not count.
+    // 128 + n for signal n. Of a pair the first that is not 0; one that was asked to end because the other had does not count.
     int exit_code() const { return exit_code_; }
 
   private:

@@ -26,6 +26,12 @@ TEST_F(PairProgram, ExitCodeIsTheFirstThatIsNotZero) {
     EXPECT_EQ(netem("pair", {"exit 6", "trap 'exit 1' TERM; while :; do sleep 0.05; done"}).exit_code, 6);
 }
 
+TEST_F(PairProgram, ExitCodeOfAProgramThatIsAskedToEndDoesNotCount) {
+    const std::string server = "trap 'exit 1' TERM; echo > ready; while :; do sleep 0.05; done";
+    const std::string client = "while [ ! -e ready ]; do sleep 0.05; done";
+    EXPECT_EQ(netem("pair", {server, client}).exit_code, 0);
+}
+
 TEST_F(PairProgram, CtrlCEndsBoth) {
     Child child(netem_program(), netem_words("pair", {"sleep 1000", "echo > ready; sleep 1000"}),
                 folder_ / "words", {}, {.directory = folder_ / ""});
