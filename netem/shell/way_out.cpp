@@ -23,6 +23,7 @@ constexpr int kMostHostDevices = 250;
 constexpr int kConnectTries = 300;
 constexpr Duration kConnectPause = std::chrono::milliseconds{10};
 constexpr int kFrameBuffer = 4 << 20;  // bytes, as far as the system allows
+constexpr std::size_t kMostFolderCharacters = sizeof(sockaddr_un::sun_path) - sizeof "/slirp";
 
 std::string ip4_of(int number, int host) { return fmt::format("10.77.{}.{}", number, host); }
 std::string ip6_of(int number, int host) { return fmt::format("fd77:0:0:{:x}::{}", number + 1, host); }
@@ -87,6 +88,10 @@ WayOut::~WayOut() {
 void WayOut::start_slirp() {
     std::string folder =
         (std::getenv("TMPDIR") != nullptr ? std::string(std::getenv("TMPDIR")) : "/tmp") + "/thimble-XXXXXX";
+    if (folder.size() > kMostFolderCharacters)
+        throw Error(ExitCode::kUsage,
+                    "TMPDIR: '{}' is {} characters too long for a socket: set a shorter one",
+                    std::getenv("TMPDIR"), folder.size() - kMostFolderCharacters);
     std::array<int, 2> pipe_ends{};
     if (mkdtemp(folder.data()) == nullptr || pipe2(pipe_ends.data(), O_CLOEXEC) != 0)
         throw Error(ExitCode::kRunFailed, "cannot make a folder in the place of temporary files: {}",

@@ -141,6 +141,15 @@ TEST_F(ShellProgram, ObeysSetWhileItRuns) {
     EXPECT_EQ(child.wait(kPatience), 0);
 }
 
+TEST_F(ShellProgram, RefusesAFolderThatIsTooLongForASocket) {
+    const std::filesystem::path longest = folder_ / std::string(100, 'x');
+    std::filesystem::create_directory(longest);
+    const ProgramResult result = run_program(
+        "env", {"TMPDIR=" + longest.string(), netem_program(), "shell", "--", "true"}, folder_ / "", "");
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.output, HasSubstr("TMPDIR"));
+}
+
 TEST_F(ShellProgram, SaysWhatToSwitchOn) {
     const std::string hidden = "unshare -m" + std::string(getuid() == 0 ? "" : "Ur") +
                                " sh -c 'mount -t tmpfs none /dev/net && " + netem_program() +
