@@ -65,6 +65,14 @@ void set(int descriptor, int level, int name, int value) {
 constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0,    0,
                                                0, 0, 0, 0, 0xff, 0xff};  // an IPv4 address follows
 
+// A socket of IPv6 alone has no route to an IPv4 address.
+UdpAddress unmapped(const UdpAddress& address) {
+    if (!address.is_ipv4()) return address;
+    UdpAddress made{0, address.port};
+    std::memcpy(&made.host, address.host6.data() + kMapped.size(), sizeof made.host);
+    return made;
+}
+
 }  // namespace
 
 UdpAddress UdpAddress::resolved(const std::string& host, std::uint16_t port, std::string_view advice) {
@@ -148,7 +156,7 @@ UdpAddress read_udp_address(const std::string& text, const std::string& option) 
     if (bracketed) host = host.substr(1, host.size() - 2);
     int error = 0;
     if (const auto found = bracketed ? std::nullopt : look_up(host, port, AF_INET, error)) return *found;
-    if (const auto found = look_up(host, port, AF_INET6, error)) return *found;
+    if (const auto found = look_up(host, port, AF_INET6, error)) return unmapped(*found);
     throw Error(ExitCode::kNetwork, "cannot resolve host '{}': {}; give an address to {}?", host,
                 gai_strerror(error), option);
 }

@@ -194,7 +194,7 @@ TEST(UdpAddress, ReadsPortAndHost) {
 TEST(UdpAddress, ReadsIpv6InBrackets) {
     for (const char* text : {"[::1]:9000", "[2001:db8::7]:1", "[::]:0"})
         EXPECT_EQ(to_string(read_udp_address(text, "--to")), text);
-    EXPECT_TRUE(read_udp_address("[::ffff:10.0.0.1]:1", "--to").is_ipv4());
+    EXPECT_EQ(to_string(read_udp_address("[::ffff:10.0.0.1]:1", "--to")), "10.0.0.1:1");
     EXPECT_FALSE(read_udp_address("[::1]:1", "--to").is_ipv4());
     EXPECT_THAT(refusal([] { read_udp_address("::1:9000", "--to"); }, ExitCode::kUsage),
                 testing::HasSubstr("brackets"));
