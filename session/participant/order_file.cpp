@@ -126,11 +126,13 @@ std::vector<OrderEntry> read_order(const std::filesystem::path& file, std::uint3
     return order;
 }
 
-std::string difference(const std::vector<OrderEntry>& written, const std::vector<OrderEntry>& planned) {
+std::string difference(const std::vector<OrderEntry>& written, const std::vector<OrderEntry>& planned,
+                       bool blinded) {
     for (std::size_t i = 0; i < std::min(written.size(), planned.size()); ++i) {
         for (std::size_t column = 0; column < kOrderColumns.size(); ++column) {
             const std::string ours = field_of(written[i], column), theirs = field_of(planned[i], column);
             if (ours == theirs) continue;
+            if (blinded) return fmt::format("it differs at position {}", i + 1);
             return fmt::format("at position {} {} is {}, the settings give {}", i + 1, kOrderNames[column],
                                ours, theirs);
         }

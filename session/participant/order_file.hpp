@@ -36,6 +36,8 @@ void write_order(const std::filesystem::path& file, const std::vector<OrderEntry
 std::vector<OrderEntry> read_order(const std::filesystem::path& file, std::uint32_t participant);
 
 // The first thing in which two orders differ, in words; empty if they are equal.
-std::string difference(const std::vector<OrderEntry>& written, const std::vector<OrderEntry>& planned);
+// `blinded`: the position alone.
+std::string difference(const std::vector<OrderEntry>& written, const std::vector<OrderEntry>& planned,
+                       bool blinded = false);
 
 }  // namespace thimble

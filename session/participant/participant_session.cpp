@@ -145,7 +145,8 @@ std::string ParticipantSession::name_of(const Step& step) const {
     const std::string conditions =
         options_.protocol.blinded ? ""
                                   : fmt::format("experiment {}, {}", c.experiment, to_string(c.modality));
-    const char* const kind = step.entry.practice ? "practice" : is_attention(step.entry) ? "attention" : "";
+    const bool attention = is_attention(step.entry) && !options_.protocol.blinded;
+    const char* const kind = step.entry.practice ? "practice" : attention ? "attention" : "";
     const std::string both =
         fmt::format("{}{}{}", kind, *kind == 0 || conditions.empty() ? "" : ", ", conditions);
     return fmt::format("trial {} of {}{}{}", step.entry.position, agenda_.order.size(),
@@ -324,6 +325,7 @@ void ParticipantSession::note_attention(const DatasetRecord& record) {
     const AttentionResult result =
         judge_attention(options_.participant, record, options_.protocol.attention_limit);
     add_attention(options_.dataset.attention(), result);
+    if (options_.protocol.blinded) return;
     options_.say(fmt::format("attention trial {}: {}", record.position, result.passed ? "passed" : "failed"));
 }
 

@@ -85,8 +85,9 @@ void check_delay(const SystemSettings& settings, const std::vector<OrderEntry>& 
 std::string what_differs(const SystemSettings& settings, std::uint32_t participant,
                          const std::vector<OrderEntry>& written) {
     try {
-        return difference(written, plan_order(settings, participant));
+        return difference(written, plan_order(settings, participant), settings.protocol->blinded);
     } catch (const Error& no_longer_planned) {
+        if (settings.protocol->blinded) return "the settings give none";
         return no_longer_planned.what();
     }
 }

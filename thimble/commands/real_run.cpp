@@ -164,7 +164,10 @@ int run_for_real(const RealRunArguments& given, const SystemSettings& settings,
     options.made_with = made_with({arguments.config});
     require_protection(options.network);
     if (is_real(settings.handle.kind)) require_protection_of_handle(options.network);
-    if (const std::string warning = energy_warning(settings); !warning.empty()) spdlog::warn(warning);
+    // It names delays and modalities; `thimble check` and `thimble doctor` say it, too.
+    const bool blinded = settings.protocol && settings.protocol->blinded;
+    const std::string warning = blinded ? "" : energy_warning(settings);
+    if (!warning.empty()) spdlog::warn(warning);
     if (options.clock != RunClock::kVirtual) warn_if_unprotected(options.network);
     // A bad key leaves no folder behind.
     if (options.clock != RunClock::kVirtual)

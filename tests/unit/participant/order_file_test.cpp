@@ -75,6 +75,7 @@ TEST(OrderFile, SaysWhatDiffers) {
     other[20].conditions.modality =
         other[20].conditions.modality == Modality::kHF ? Modality::kCF : Modality::kHF;
     EXPECT_THAT(difference(order, other), HasSubstr("position 21 modality is"));
+    EXPECT_EQ(difference(order, other, true), "it differs at position 21");
     other = order;
     other.pop_back();
     EXPECT_THAT(difference(order, other), HasSubstr("30 trials, the settings give 29"));

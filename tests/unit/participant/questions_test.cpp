@@ -232,12 +232,12 @@ TEST_F(Questions, AttentionTrialsAreFlaggedAndNotAnalysed) {
 
 TEST_F(Questions, ABlindedTerminalNamesNeitherModalityNorResult) {
     pages_ = {};
-    run("blinded = true\n");
+    run("blinded = true\nattention_every = 3\n");
     for (const std::string& line : said_)
         EXPECT_THAT(line, AllOf(Not(HasSubstr("HF")), Not(HasSubstr("CF")), Not(HasSubstr("penetration")),
-                                Not(HasSubstr("experiment"))));
-    EXPECT_THAT(said_, Contains(HasSubstr("trial 1 of 5 (practice): completed")));
-    EXPECT_THAT(said_, Contains(HasSubstr("trial 2 of 5: completed")));
+                                Not(HasSubstr("attention")), Not(HasSubstr("experiment"))));
+    EXPECT_THAT(said_, Contains(HasSubstr("trial 1 of 6 (practice): completed")));
+    EXPECT_THAT(said_, Contains(HasSubstr("trial 2 of 6: completed")));
 }
 
 TEST_F(Questions, CorrectionsLeaveALineAndTheAnalysisHonoursThem) {
