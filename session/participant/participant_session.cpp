@@ -41,6 +41,7 @@ ParticipantSession::ParticipantSession(ParticipantSessionOptions options, TrialR
 }
 
 ParticipantSessionResult ParticipantSession::run() {
+    note_missed_attention();
     const std::optional<Step> first = agenda_.next(options_.protocol);
     if (first || questions_are_due(first)) runner_.prepare();  // before the first question
     for (;;) {
@@ -327,6 +328,19 @@ void ParticipantSession::note_attention(const DatasetRecord& record) {
     add_attention(options_.dataset.attention(), result);
     if (options_.protocol.blinded) return;
     options_.say(fmt::format("attention trial {}: {}", record.position, result.passed ? "passed" : "failed"));
+}
+
+// A crash may come between a trial's line and its line in attention.tsv.
+void ParticipantSession::note_missed_attention() {
+    const auto noted = read_attention(options_.dataset.attention());
+    for (const DatasetRecord& record : agenda_.records) {
+        if (record.row.conditions.trial < kFirstAttentionTrial) continue;
+        const bool there = std::any_of(noted.begin(), noted.end(), [&](const AttentionResult& result) {
+            return result.participant == options_.participant && result.position == record.position &&
+                   result.record >= record.record;
+        });
+        if (!there) note_attention(record);
+    }
 }
 
 ParticipantSessionResult ParticipantSession::result(ExitCode code, std::string problem) const {

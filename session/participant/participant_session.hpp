@@ -105,6 +105,7 @@ class ParticipantSession {
     bool rest_is_due(const std::optional<Step>& step) const;
     std::string name_of(const Step& step) const;
     void note_attention(const DatasetRecord& record);
+    void note_missed_attention();
     std::string course_of(const DatasetRecord& record) const;
     bool stopped() const { return options_.stop != nullptr && *options_.stop; }
     ParticipantSessionResult result(ExitCode code, std::string problem) const;

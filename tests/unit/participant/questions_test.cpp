@@ -222,6 +222,10 @@ TEST_F(Questions, AttentionTrialsAreFlaggedAndNotAnalysed) {
     EXPECT_EQ(counted.missing, 0U);
     EXPECT_THAT(describe(counted), AllOf(Contains("left out: 1 attention trials"),
                                          Contains("attention: sub-02 passed 0 of 1 trials, not 5")));
+    std::filesystem::remove(dataset_.attention());
+    run("attention_every = 3\nattention_limit_s = 1\n");
+    run("attention_every = 3\nattention_limit_s = 1\n");
+    EXPECT_THAT(said_, Contains("attention trial 5: failed").Times(2)) << "judged anew, once";
     const auto results = read_attention(dataset_.attention());
     ASSERT_EQ(results.size(), 1U);
     AttentionResult again = results[0];
