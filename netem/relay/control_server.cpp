@@ -74,7 +74,7 @@ bool bind_and_listen(int opened, const std::filesystem::path& path) {
            chmod(path.c_str(), 0600) == 0 && listen(opened, static_cast<int>(kMostAskers)) == 0;
 }
 
-// It gets its name when it listens, so nobody finds it dead. link() never replaces a file, as rename() would.
+// The socket listens before it has its name, so no program finds it without a listener. link() never replaces a file, as rename() would.
 int listen_at(const std::filesystem::path& path) {
     address_of(path);
     remove_stale(path);
