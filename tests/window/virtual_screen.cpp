@@ -76,6 +76,7 @@ bool VirtualScreen::wait_for_window(const std::string& title) {
 }
 
 std::string VirtualScreen::first_line(const std::vector<std::string>& words) const {
+    std::filesystem::remove(folder_ / "found");  // a program's words are added to a file
     if (Child("xdotool", words, folder_ / "found").wait(kPatience) != 0) return {};
     const std::string found = read_text(folder_ / "found");
     return found.substr(0, found.find('\n'));
