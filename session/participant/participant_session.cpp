@@ -120,7 +120,7 @@ ParticipantSession::Answer ParticipantSession::ask_questions(const std::optional
         const std::size_t form = *due_questionnaire(options_.dataset, pages, agenda_, step, block);
         std::vector<std::optional<double>> answers;
         const Asked asked = ask_questionnaire(asker, pages, form, answers);
-        if (asked != Asked::kAnswered) return asked == Asked::kPutOff ? Answer::kAskAgain : Answer::kStop;
+        if (asked != Asked::kGoOn) return asked == Asked::kPutOff ? Answer::kAskAgain : Answer::kStop;
         const std::string time =
             options_.realtime_ns ? utc_text(options_.realtime_ns()) : std::string(kNotAvailable);
         write_answers(options_.dataset, pages.questionnaires[form],
@@ -132,9 +132,9 @@ ParticipantSession::Answer ParticipantSession::ask_questions(const std::optional
 // Of one that came during a question.
 Asked ParticipantSession::after_order(Answer answer) const {
     if (answer == Answer::kStop) return Asked::kStopped;
-    if (answer == Answer::kGo) return Asked::kAnswered;
+    if (answer == Answer::kGo) return Asked::kGoOn;
     // A mark changes the next step.
-    return questions_are_due(agenda_.next(options_.protocol)) ? Asked::kAnswered : Asked::kPutOff;
+    return questions_are_due(agenda_.next(options_.protocol)) ? Asked::kGoOn : Asked::kPutOff;
 }
 
 bool ParticipantSession::rest_is_due(const std::optional<Step>& step) const {

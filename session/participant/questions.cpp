@@ -13,13 +13,13 @@ constexpr const char* kHelp =
     "q: stop here";
 constexpr const char* kConsentHelp = "the participant answers at the screen; q: stop here";
 
-// The experimenter has typed this; kAnswered: the question goes on.
+// The experimenter has typed this; kGoOn: the question goes on.
 Asked obey(const Asker& asker, const std::string& line) {
     if (line == "q") return Asked::kStopped;
     if (line == "s") return Asked::kLeftOut;
     if (asker.obey && !line.empty()) return asker.obey(line);
     asker.say(asker.obey ? kHelp : kConsentHelp);
-    return Asked::kAnswered;
+    return Asked::kGoOn;
 }
 
 // A block's end: its last trial is over, and no repeat of it is left. A trial that is rejected meanwhile puts the questions off.
@@ -37,17 +37,17 @@ Asked ask_question(const Asker& asker, std::uint32_t number, const Question& que
     for (;;) {
         asker.runner.show(page);
         asker.runner.idle(kAnswerLook);
-        const Asked held = asker.hold ? asker.hold() : Asked::kAnswered;
-        if (held != Asked::kAnswered) return held;
+        const Asked held = asker.hold ? asker.hold() : Asked::kGoOn;
+        if (held != Asked::kGoOn) return held;
         if (asker.stop != nullptr && *asker.stop) return Asked::kStopped;
         const auto answer = asker.runner.take_answer();
         if (answer && question.accepts(*answer)) {
             value = *answer;
-            return Asked::kAnswered;
+            return Asked::kGoOn;
         }
         const auto line = asker.lines == nullptr ? std::nullopt : asker.lines->take_line();
-        const Asked obeyed = line ? obey(asker, *line) : Asked::kAnswered;
-        if (obeyed != Asked::kAnswered) return obeyed;
+        const Asked obeyed = line ? obey(asker, *line) : Asked::kGoOn;
+        if (obeyed != Asked::kGoOn) return obeyed;
         if (asker.lines != nullptr && asker.lines->ended()) {
             asker.say(kInputEnded);
             return Asked::kStopped;
@@ -68,9 +68,9 @@ Asked ask_questionnaire(const Asker& asker, const PageSet& pages, std::size_t qu
         if (asked == Asked::kPutOff)
             asker.say(fmt::format("questionnaire {} comes after the repeat, from its beginning", form.name));
         if (asked == Asked::kStopped || asked == Asked::kPutOff) return asked;
-        answers.push_back(asked == Asked::kAnswered ? std::optional{value} : std::nullopt);
+        answers.push_back(asked == Asked::kGoOn ? std::optional{value} : std::nullopt);
     }
-    return Asked::kAnswered;
+    return Asked::kGoOn;
 }
 
 Consent ask_consent(const Asker& asker, const ConsentPage& page) {

@@ -16,7 +16,7 @@ namespace thimble {
 class TrialRunner;
 
 enum class Asked {
-    kAnswered,
+    kGoOn,
     kLeftOut,
     kStopped,
     kPutOff,  // a trial of the block is to be run again first
@@ -28,15 +28,14 @@ struct Asker {
     LineSource* lines;  // the experimenter leaves a question out or stops; null: no experimenter
     const std::atomic<bool>* stop;
     const std::function<void(const std::string&)>& say;
-    std::function<Asked(const std::string& line)>
-        obey{};                     // any other command; kAnswered: the question goes on
-    std::function<Asked()> hold{};  // waits while an emergency stop holds; kAnswered: the question goes on
+    std::function<Asked(const std::string& line)> obey{};  // any other command; kGoOn: the question goes on
+    std::function<Asked()> hold{};  // waits while an emergency stop holds; kGoOn: the question goes on
 };
 
 // `number` as in PageSet::shown(). `value` gets the answer.
 Asked ask_question(const Asker& asker, std::uint32_t number, const Question& question, double& value);
 
-// kStopped, kPutOff: no answer is to be kept, and the questionnaire comes again. kAnswered: `answers` gets one per question, none where
+// kStopped, kPutOff: no answer is to be kept, and the questionnaire comes again. kGoOn: `answers` gets one per question, none where
 // it was left out.
 Asked ask_questionnaire(const Asker& asker, const PageSet& pages, std::size_t questionnaire,
                         std::vector<std::optional<double>>& answers);
