@@ -16,10 +16,11 @@ class Newcomer : public OnAScreen {
     void SetUp() override {
         OnAScreen::SetUp();
         if (IsSkipped()) return;
-        play_.emplace(THIMBLE_BIN_DIR "/thimble",
-                      std::vector<std::string>{"play", "--modality", "CF", "--delay-s", "0", "--base-port",
-                                               std::to_string(ports_.base()), "--seconds", "300"},
-                      folder_ / "words");
+        play_.emplace(
+            THIMBLE_BIN_DIR "/thimble",
+            std::vector<std::string>{"play", a_slow_window(folder_), "--modality", "CF", "--delay-s", "0",
+                                     "--base-port", std::to_string(ports_.base()), "--seconds", "300"},
+            folder_ / "words");
     }
 
     bool sees(const std::function<bool(const Monitor&)>& such) {

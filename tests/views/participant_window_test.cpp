@@ -17,7 +17,7 @@ constexpr const char* kMouseSession =
     "[session]\nsubject = 'human'\nparticipant = 'P07'\nmodalities = ['CF']\nfixture_jitter_m = 0\n"
     "[handle]\ndevice = 'pointer'\n"
     "[visual]\npointer_m_per_count = 5e-4\nsound = false\nfingertip = true\n"
-    "[fixture]\nposition_m = 0.03\n[trial]\ncontact_hold_s = 0.02\n"
+    "[fixture]\nposition_m = 0.03\n[trial]\ncontact_hold_s = 0.02\npeer_wait_s = 30\n"
     "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\npractice_trials = 1\nbreak_every = 0\n"
     "next_by = 'subject'\n"
     "[instructions]\nready_title = 'Bereit?'\nready = 'Versuch {trial} von {trials}'\n";
@@ -26,7 +26,7 @@ constexpr const char* kMouseSession =
 constexpr const char* kKeySession =
     "[session]\nsubject = 'human'\nparticipant = 'P07'\nmodalities = ['CF']\nfixture_jitter_m = 0\n"
     "[handle]\ndevice = 'keyboard'\n[visual]\nsound = false\nfingertip = true\n"
-    "[fixture]\nposition_m = 0.03\n[trial]\ncontact_hold_s = 0.02\n"
+    "[fixture]\nposition_m = 0.03\n[trial]\ncontact_hold_s = 0.02\npeer_wait_s = 30\n"
     "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\npractice_trials = 0\nbreak_every = 0\n"
     "next_by = 'subject'\nblinded = true\n[instructions]\npages = 'pages.toml'\n";
 constexpr const char* kPages =

@@ -84,8 +84,8 @@ class PlayInAWindow : public OnAScreen {
 TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAll) {
     const auto out = folder_ / "played";
     Child play(kThimble,
-               {"play", "--modality", "HF", "--delay-s", "0", "--record", out.string(), "--base-port",
-                std::to_string(ports_.base()), "--seconds", "300"},
+               {"play", a_slow_window(folder_), "--modality", "HF", "--delay-s", "0", "--record",
+                out.string(), "--base-port", std::to_string(ports_.base()), "--seconds", "300"},
                folder_ / "words");
     ASSERT_TRUE(screen_->wait_for_window("Thimble")) << read_text(folder_ / "words");
     const auto first = out / "trajectories" / "trial01_HF_0ms.csv";
@@ -130,8 +130,10 @@ TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAl
 }
 
 TEST_F(PlayInAWindow, AScreenThatGoesAwayEndsThePlay) {
-    Child play(kThimble, {"play", "--base-port", std::to_string(ports_.base()), "--seconds", "300"},
-               folder_ / "words");
+    Child play(
+        kThimble,
+        {"play", a_slow_window(folder_), "--base-port", std::to_string(ports_.base()), "--seconds", "300"},
+        folder_ / "words");
     ASSERT_TRUE(screen_->wait_for_window("Thimble")) << read_text(folder_ / "words");
     wall_sleep(std::chrono::seconds{1});
     screen_.reset();

@@ -34,4 +34,9 @@ inline bool move_until(const VirtualScreen& screen, int counts, const std::funct
     });
 }
 
+// A session file: a window of a slow machine opens later than a node answers.
+inline std::string a_slow_window(const Folder& folder) {
+    return folder.write("slow.toml", "[trial]\npeer_wait_s = 30\n").string();
+}
+
 }  // namespace thimble
