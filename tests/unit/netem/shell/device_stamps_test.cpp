@@ -1,6 +1,7 @@
 // The stamps of a device, in a file of memory that stands for the ring of a packet socket.
 #include "netem/shell/device_stamps.hpp"
 
+#include <array>
 #include <cstring>
 #include <linux/if_packet.h>
 #include <sys/mman.h>
@@ -43,7 +44,7 @@ class Ring {
 };
 
 TEST(DeviceStamps, FindsThePacketBehindAnyNumberOfDroppedOnes) {
-    for (const std::uint8_t dropped : {0, 1, 63, 64, 65, 200}) {
+    for (const auto dropped : std::to_array<std::uint8_t>({0, 1, 63, 64, 65, 200})) {
         Ring ring;
         DeviceStamps stamps(ring.file());
         for (std::uint8_t number = 0; number <= dropped; ++number) ring.note(number);
