@@ -105,7 +105,7 @@ TEST_F(ShellWithPrograms, IperfHasTheRateBothWays) {
     const std::string port = std::to_string(ports.base());
     Child server("iperf3", {"-s", "--forceflush", "-p", port}, folder_ / "server");
     for (const std::string way : {"", " -R"}) {
-        // It says so again after each client. A connection of the test's own would count as a client.
+        // iperf3 writes that line again after each client. A connection of the test's own would count as a client.
         ASSERT_TRUE(wait_until([&] { return listens_after(way.empty() ? 0 : 1); }));
         const ProgramResult result =
             netem("shell --link delay_s=0.005 rate_bits_per_s=20e6 rate_queue_packets=200",
