@@ -6,7 +6,7 @@
 //   loss = 0.01
 // A key is one of a link (profile_link.hpp), a dot between a table and its key; `up.` or `down.` before it names one
 // direction, otherwise it is for both. The value is written as in TOML; a bare word stands for itself in quotes.
-// The answer is one packet of JSON: {"ok": true, ...} or {"ok": false, "error": "..."}.
+// The answer is one packet of JSON. Its "ok" is true, or false with an "error" in words.
 #pragma once
 
 #include <string>
