@@ -17,6 +17,8 @@ namespace thimble {
 inline constexpr std::size_t kMaxDatagramBytes = 512;
 
 using Bytes = std::span<const std::uint8_t>;
+struct SharedMessage;
+class MessagePool;
 
 // The most datagrams without a message for the caller that one call takes from a channel. A flood must not hold a tick: the rest
 // waits for the next one, which comes at once while there is mail.
@@ -47,8 +49,18 @@ class Channel : boost::noncopyable {
     // few microseconds late, never early. None: take the tick's own time.
     virtual std::optional<SessionTime> arrival() const { return std::nullopt; }
 
+    // Within one program a message may go as it is, without bytes (shared_message.hpp). Null: this channel sends bytes only.
+    MessagePool* pool() const { return pool_; }
+    // Only where there is a pool, and of a message from it.
+    virtual void hand_over(SharedMessage& /*message*/) {}
+    // The next that waits if it was handed over, valid until the next call on this channel. Null: receive() has the next, if any.
+    SharedMessage* receive_shared() { return shared_waits_ ? take_shared() : nullptr; }
+
   protected:
     virtual Bytes take() = 0;
+    virtual SharedMessage* take_shared() { return nullptr; }
+    MessagePool* pool_ = nullptr;
+    bool shared_waits_ = false;  // the next that waits was handed over
     // For a channel that knows what waits in it; one that does not leaves it false.
     bool known_empty_ = false;
     bool released_ = false;  // what was taken last is not looked at any more

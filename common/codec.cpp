@@ -81,10 +81,39 @@ struct FieldVerdict {
         if (value >= range.low && value <= range.high) return;
         (std::isfinite(value) ? in_range : finite) = false;
     }
+    void stamp(std::int64_t nanoseconds) { require(nanoseconds >= 0 && nanoseconds <= kMaxStamp_ns); }
     std::optional<Refusal> refusal() const {
         if (!finite) return Refusal::kNotFinite;
         return in_range ? std::nullopt : std::optional{Refusal::kOutOfRange};
     }
+};
+
+// What a FieldReader would say of each field.
+class FieldChecker {
+  public:
+    std::optional<Refusal> refusal() const { return verdict_.refusal(); }
+
+    void operator()(double value, const NumberRange& range) { verdict_.number(value, range); }
+    void operator()(std::integral auto) {}
+    void operator()(std::uint32_t count, std::uint32_t most) { verdict_.require(count <= most); }
+    void operator()(SessionTime time) { verdict_.stamp(to_nanoseconds(time)); }
+    void operator()(Duration duration) { verdict_.stamp(duration.count()); }
+    void operator()(const NetworkName& name) { verdict_.require(name.well_formed()); }
+    template <class Enum>
+    void operator()(Enum value, Enum last) {
+        (*this)(value, Enum{}, last);
+    }
+    template <class Enum>
+    void operator()(Enum value, Enum first, Enum last) {
+        verdict_.require(value >= first && value <= last);
+    }
+    template <std::size_t N>
+    void operator()(const std::array<char, N>& text) {
+        verdict_.require(text.back() == '\0');
+    }
+
+  private:
+    FieldVerdict verdict_;
 };
 
 class FieldReader {
@@ -131,7 +160,7 @@ class FieldReader {
     }
     std::int64_t stamp() {
         std::int64_t nanoseconds = 0;
-        verdict_.require(take(nanoseconds) >= 0 && nanoseconds <= kMaxStamp_ns);
+        verdict_.stamp(take(nanoseconds));
         return nanoseconds;
     }
 
@@ -145,6 +174,14 @@ template <class Fields>
 [[gnu::flatten]] void write_fields(std::uint8_t* out, const Fields& fields) {
     FieldWriter writer(out);
     visit_fields(writer, fields);
+}
+
+template <class Fields>
+[[gnu::flatten]] std::optional<Refusal> check_fields(const Header& header, const Fields& fields) {
+    FieldChecker checker;
+    visit_fields(checker, header);
+    visit_fields(checker, fields);
+    return checker.refusal();
 }
 
 template <class Fields>
@@ -256,6 +293,10 @@ std::optional<Refusal> decode_into(Bytes datagram, Message& message) {
                                          : decode_any(datagram, message);
 }
 
+std::optional<Refusal> refusal_of(const Message& message) {
+    return std::visit([&](const auto& body) { return check_fields(message.header, body); }, message.body);
+}
+
 Decoded decode(Bytes datagram) {
     Decoded decoded;
     decoded.refusal = decode_into(datagram, decoded.message.emplace());
@@ -263,22 +304,32 @@ Decoded decode(Bytes datagram) {
     return decoded;
 }
 
+// Copies of the layouts: dozens of encoders are made for each session.
 struct Encoder::Templates {
-    std::array<MessageTemplate, kKinds> of_kind = templates(std::make_index_sequence<kKinds>());
+    struct alignas(16) Buffer {
+        std::array<std::uint8_t, kMaxDatagramBytes> bytes;
+    };
+    std::array<Buffer, kKinds> of_kind;  // NOLINT(cppcoreguidelines-pro-type-member-init): as long as each is
+
+    Templates() {
+        for (std::size_t kind = 0; kind < kKinds; ++kind) {
+            const auto& builder = layouts()[kind].builder;
+            std::memcpy(of_kind[kind].bytes.data(), builder.GetBufferPointer(), builder.GetSize());
+        }
+    }
 };
 
-Encoder::Encoder() : templates_(std::make_unique<Templates>()) {
-    layouts();  // made here, so that no decoding allocates
-}
+Encoder::Encoder() : templates_(std::make_unique<Templates>()) {}
 Encoder::~Encoder() = default;
 Encoder::Encoder(Encoder&&) noexcept = default;
 Encoder& Encoder::operator=(Encoder&&) noexcept = default;
 
 Bytes Encoder::encode(const Header& header, const Body& body) {
-    MessageTemplate& made = templates_->of_kind[body.index()];
-    write_fields(made.header, header);
-    std::visit([&](const auto& message) { write_fields(made.body, message); }, body);
-    return {made.builder.GetBufferPointer(), made.builder.GetSize()};
+    const MessageTemplate& layout = layouts()[body.index()];
+    std::uint8_t* const bytes = templates_->of_kind[body.index()].bytes.data();
+    write_fields(bytes + layout.place(layout.header), header);
+    std::visit([&](const auto& message) { write_fields(bytes + layout.place(layout.body), message); }, body);
+    return {bytes, layout.builder.GetSize()};
 }
 
 const char* to_string(Refusal refusal) {

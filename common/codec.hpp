@@ -45,6 +45,8 @@ struct Decoded {
 Decoded decode(Bytes datagram);
 // The same without moving the message afterwards. No refusal: `message` is good; else it is unspecified.
 std::optional<Refusal> decode_into(Bytes datagram, Message& message);
+// What decode() would say of the bytes of `message`. None: decoding them gives the same struct.
+std::optional<Refusal> refusal_of(const Message& message);
 
 // Every body is one struct, so all messages of a kind have the same layout: the buffer of each kind is built
 // once and its structs are overwritten in place. The bytes are valid until the next call with the same kind

@@ -21,21 +21,32 @@ void FlowCounters::add(const FlowCounters& other) {
 }
 
 const Message* InboundFlow::admit(SessionTime now, Bytes datagram) {
-    std::optional<Refusal> refusal = decode_into(datagram, message_);
-    if (!refusal) refusal = judge(now, message_.header);
-    if (!refusal) {
-        remember(now, message_.header);
-        return &message_;
-    }
+    const std::optional<Refusal> refusal = decode_into(datagram, message_);
+    if (!refusal) return admit(now, message_);
     ++counters_.refused[static_cast<std::size_t>(*refusal)];
     return nullptr;
 }
 
+const Message* InboundFlow::admit(SessionTime now, const Message& message) {
+    if (const std::optional<Refusal> refusal = judge(now, message.header)) {
+        ++counters_.refused[static_cast<std::size_t>(*refusal)];
+        return nullptr;
+    }
+    remember(now, message.header);
+    return &message;
+}
+
 const Message* InboundFlow::take(SessionTime now, Channel& channel) {
     for (int refused = 0; refused < kMostRefusedAtOnce; ++refused) {
-        const Bytes datagram = channel.receive();
-        if (datagram.empty()) return nullptr;
-        if (const Message* message = admit(now, datagram)) return message;
+        const Message* message = nullptr;
+        if (const SharedMessage* shared = channel.receive_shared()) {
+            message = admit(now, shared->message);
+        } else {
+            const Bytes datagram = channel.receive();
+            if (datagram.empty()) return nullptr;
+            message = admit(now, datagram);
+        }
+        if (message != nullptr) return message;
     }
     return nullptr;
 }
@@ -74,11 +85,27 @@ OutboundFlow::OutboundFlow(Role sender, std::uint64_t instance, std::initializer
     header_.sender = sender;
     header_.instance = instance;
     assert(channels.size() <= channels_.size());
-    for (Channel* channel : channels) channels_[channel_count_++] = channel;
+    for (Channel* channel : channels) {
+        channels_[channel_count_++] = channel;
+        if (channel != nullptr && channel->pool() != nullptr) pool_ = channel->pool();
+    }
 }
 
 void OutboundFlow::transmit(Bytes datagram) {
     for (std::size_t i = 0; i < channel_count_; ++i) channels_[i]->send(datagram);
+}
+
+// A message that receivers refuse goes as bytes, so that each of them counts it.
+void OutboundFlow::post(SharedMessage& shared) {
+    const bool good = !refusal_of(shared.message);
+    for (std::size_t i = 0; i < channel_count_; ++i) {
+        if (good && channels_[i]->pool() != nullptr) {
+            channels_[i]->hand_over(shared);
+        } else {
+            channels_[i]->send(encoder_.encode(shared.message));
+        }
+    }
+    pool_->release(shared);
 }
 
 }  // namespace thimble

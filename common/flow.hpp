@@ -10,6 +10,7 @@
 #include "common/channel.hpp"
 #include "common/codec.hpp"
 #include "common/messages.hpp"
+#include "common/shared_message.hpp"
 
 namespace thimble {
 
@@ -35,6 +36,8 @@ class InboundFlow {
 
     // The message if it is new and trustworthy, else null; valid until the next call.
     const Message* admit(SessionTime now, Bytes datagram);
+    // The same of a message that was handed over.
+    const Message* admit(SessionTime now, const Message& message);
     // The next admitted message waiting on the channel, null when the channel is empty or too much of it was refused in a row.
     const Message* receive(SessionTime now, Channel& channel) {
         return channel.known_empty() ? nullptr : take(now, channel);
@@ -102,8 +105,8 @@ class InboundFlow {
     SessionTime last_accepted_{};
     SessionTime silent_since_{};
     SessionTime excused_until_{};
-    Message message_;
     FlowCounters counters_;
+    Message message_;  // of bytes
 };
 
 // Numbers, stamps and sends.
@@ -116,17 +119,26 @@ class OutboundFlow {
         header_.send_time = now;
         header_.trial = trial;
         ++header_.sequence;
-        transmit(encoder_.encode(header_, body));
+        pool_ != nullptr ? share(body) : transmit(encoder_.encode(header_, body));
     }
     std::uint32_t sequence() const { return header_.sequence; }
 
   private:
     void transmit(Bytes datagram);
+    template <class Body>
+    void share(const Body& body) {
+        SharedMessage& shared = pool_->take();
+        shared.message.header = header_;
+        shared.message.body = body;
+        post(shared);
+    }
+    void post(SharedMessage& shared);
 
     Header header_;
     Encoder encoder_;
     std::array<Channel*, 8> channels_{};
     std::size_t channel_count_ = 0;
+    MessagePool* pool_ = nullptr;  // of the channels that hand over
 };
 
 }  // namespace thimble

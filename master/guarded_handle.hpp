@@ -77,6 +77,7 @@ class GuardedHandle final : public HapticDevice {
         rules_.clear(now);
         energy_.clear();
         highest_J_.fill(kNothingYet_J);
+        before_J_ = kNothingYet_J;
         slot_ = 0;
         slot_end_ = now + part();
         most_given_out_J_ = 0;
@@ -125,15 +126,13 @@ class GuardedHandle final : public HapticDevice {
     void watch_energy(SessionTime now) {
         if (now - slot_end_ > 2 * settings_.energy_window) {
             highest_J_.fill(kNothingYet_J);
+            before_J_ = kNothingYet_J;
             slot_end_ = now + part();
         }
-        for (; now >= slot_end_; slot_end_ += part()) {
-            slot_ = (slot_ + 1) % kSlots;
-            highest_J_[slot_] = kNothingYet_J;
-        }
+        for (; now >= slot_end_; slot_end_ += part()) begin_part();
         const double energy_J = energy_.energy_in_J();
         highest_J_[slot_] = std::max(highest_J_[slot_], energy_J);
-        const double given_out_J = *std::max_element(highest_J_.begin(), highest_J_.end()) - energy_J;
+        const double given_out_J = std::max(before_J_, highest_J_[slot_]) - energy_J;
         most_given_out_J_ = std::max(most_given_out_J_, given_out_J);
         if (settings_.energy_limit_J <= 0 || given_out_J <= settings_.energy_limit_J) return;
         std::array<char, ForceGuard::kLongestText> text{};
@@ -145,11 +144,18 @@ class GuardedHandle final : public HapticDevice {
         rules_.trip({text.data(), static_cast<std::size_t>(end.out - text.data())});
     }
 
+    void begin_part() {
+        slot_ = (slot_ + 1) % kSlots;
+        highest_J_[slot_] = kNothingYet_J;
+        before_J_ = *std::max_element(highest_J_.begin(), highest_J_.end());
+    }
+
     GuardSettings settings_;
     HapticDevice* device_;
     ForceGuard rules_;
     PortObserver energy_;
     std::array<double, kSlots> highest_J_{};  // energy taken in, its highest within each part of the window
+    double before_J_ = kNothingYet_J;         // the highest of the other parts
     std::size_t slot_ = 0;
     SessionTime slot_end_{};
     double most_given_out_J_ = 0;

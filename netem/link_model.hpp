@@ -93,6 +93,13 @@ class LinkModel {
     }
     // The same with the facts for a log.
     Departure pop_departure(SessionTime now);
+    // The same as a block with its head, or null.
+    Packet* pop_packet(SessionTime now) { return now < next_due_ ? nullptr : take_first(now); }
+    // A packet that is pushed now meets a constant delay and nothing else: what it holds does not matter.
+    bool only_delays(SessionTime now) {
+        if (now >= next_change_) run_until(now);
+        return plain_ && in_flight_ < capacity_;
+    }
     // When to ask again: nothing leaves before. With a transmitter nothing may leave then either. kNever if nothing is
     // in flight.
     SessionTime next_due() const { return next_due_; }

@@ -1,11 +1,13 @@
-// The relay: one directed link per flow, all delay of the system in its LinkModels. It forwards bytes and
-// never looks inside them.
+// The relay: one directed link per flow, all delay of the system in its LinkModels. It forwards datagrams and
+// never looks inside them. Of a message that was handed over, a link that only delays keeps the address.
 #pragma once
 
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
 #include "common/node_process.hpp"
+#include "common/shared_message.hpp"
 #include "netem/link_model.hpp"
 #include "netem/netem_settings.hpp"
 #include "netem/profiles/profiles.hpp"
@@ -74,9 +76,7 @@ class NetemProcess final : public NodeProcess {
             send_due(now, relay);  // first what is late already
             bool arrived = false;
             for (int taken = 0; taken < kMostRefusedAtOnce; ++taken) {
-                const Bytes in = relay.from->receive();
-                if (in.empty()) break;
-                relay.model.push(now, in);
+                if (!take(now, relay)) break;
                 arrived = true;
             }
             if (arrived) send_due(now, relay);
@@ -90,9 +90,46 @@ class NetemProcess final : public NodeProcess {
     }
 
   private:
+    // In place of a traffic class, with no bit of ECN: the packet holds the address of a message.
+    static constexpr std::uint8_t kHandedOver = 4;
+
+    static bool take(SessionTime now, Relay& relay) {
+        if (SharedMessage* const shared = relay.from->receive_shared()) {
+            take(now, relay, *shared);
+            return true;
+        }
+        const Bytes in = relay.from->receive();
+        if (!in.empty()) relay.model.push(now, in);
+        return !in.empty();
+    }
+
+    static void take(SessionTime now, Relay& relay, SharedMessage& shared) {
+        if (!relay.model.only_delays(now)) return relay.model.push(now, relay.from->pool()->bytes_of(shared));
+        const SharedMessage* const address = &shared;
+        ++shared.users;
+        relay.model.push(now, {reinterpret_cast<const std::uint8_t*>(&address), sizeof address}, kHandedOver);
+    }
+
     static void send_due(SessionTime now, Relay& relay) {
-        for (Bytes out = relay.model.pop_due(now); !out.empty(); out = relay.model.pop_due(now))
-            relay.to->send(out);
+        while (Packet* packet = relay.model.pop_packet(now)) {
+            if (packet->traffic_class == kHandedOver) {
+                pass_on(relay, *packet);
+            } else {
+                relay.to->send(packet->bytes());
+            }
+        }
+    }
+
+    static void pass_on(Relay& relay, Packet& packet) {
+        SharedMessage* shared = nullptr;
+        std::memcpy(&shared, packet.data(), sizeof shared);
+        MessagePool& pool = *relay.from->pool();
+        if (relay.to->pool() != nullptr) {
+            relay.to->hand_over(*shared);
+        } else {
+            relay.to->send(pool.bytes_of(*shared));
+        }
+        pool.release(*shared);
     }
 
     static void change(SessionTime now, Relay& relay, const SessionControl& control) {

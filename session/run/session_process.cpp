@@ -129,7 +129,10 @@ void SessionProcess::obey_stop(SessionTime now) {
 
 void SessionProcess::take_messages(SessionTime now) {
     for (NodePeer& peer : peers_) {
-        while (const Message* message = peer.receive(now)) take(now, peer, *message);
+        while (const Message* message = peer.receive(now)) {
+            heard_ = true;
+            take(now, peer, *message);
+        }
     }
 }
 
@@ -219,25 +222,36 @@ bool SessionProcess::end_with_fault(SessionTime now) {
 }
 
 void SessionProcess::watch(SessionTime now) {
-    if (end_with_fault(now)) return;
+    const bool heard = std::exchange(heard_, false);
+    if (heard && end_with_fault(now)) return;
     const NodePeer& quiet = peers_.quietest();
     if (quiet.silent_for(now, kPeerTimeout)) return end(now, EndReason::kPeerLost, quiet.role());
-    for (const NodePeer& peer : peers_) {
-        if (peer.misses_peer(trial_)) {
-            const bool silent = quiet.silent_for(now, kSuspicious);
-            return end(now, EndReason::kPeerLost, silent ? quiet.role() : peer.role());
-        }
-        if (peer.trial() == trial_ && peer.newest().state == NodeState::kFinished)
-            return end(now, EndReason::kCompleted);
-    }
+    if (heard && end_as_told(now, quiet)) return;
     if (settings_.ends_by_withdrawal && recorder_.withdrawn()) return end(now, EndReason::kCompleted);
     // A record with a hole in it is no record of this trial.
     if (record_flow_.lost_for(now, kPeerTimeout)) return end(now, EndReason::kPeerLost, Role::kSlaveSim);
     if (now - stage_since_ > settings_.trial_timeout) end(now, EndReason::kTimeout);
 }
 
+// By a node that has finished, or that misses a peer.
+bool SessionProcess::end_as_told(SessionTime now, const NodePeer& quiet) {
+    for (const NodePeer& peer : peers_) {
+        if (peer.misses_peer(trial_)) {
+            const bool silent = quiet.silent_for(now, kSuspicious);
+            end(now, EndReason::kPeerLost, silent ? quiet.role() : peer.role());
+            return true;
+        }
+        if (peer.trial() == trial_ && peer.newest().state == NodeState::kFinished) {
+            end(now, EndReason::kCompleted);
+            return true;
+        }
+    }
+    return false;
+}
+
 void SessionProcess::enter(SessionTime now, Stage stage) {
     stage_ = stage;
+    heard_ = true;
     stage_since_ = now;
     next_send_ = now;
 }

@@ -91,6 +91,7 @@ class SessionProcess final : public Process {
     void take_records(SessionTime now);
     void advance(SessionTime now);
     bool end_with_fault(SessionTime now);
+    bool end_as_told(SessionTime now, const NodePeer& quiet);
     void obey_stop(SessionTime now);
     void watch(SessionTime now);
     void send_orders(SessionTime now);
@@ -123,6 +124,7 @@ class SessionProcess final : public Process {
     TickTimes ticks_;
     SessionTime stage_since_{};
     SessionTime next_send_{};
+    bool heard_ = true;  // a node, since the stage began or watch() last looked at what they say
     bool fixture_changed_ = false;
 };
 

@@ -41,6 +41,7 @@ class QueueNetwork {
             programs_[role].self = static_cast<Role>(role);
             security_[role] = protect(lab, role);
         }
+        for (QueueChannel& port : arrivals_) port.share(pool_);
     }
 
     // The ports of one program. The network outlives whatever is opened.
@@ -87,8 +88,10 @@ class QueueNetwork {
     }
 
     Channel* outlet(Role self, Port remote) {
-        senders_.emplace_back(kNothingArrives).connect(at(remote));
-        Channel& end = tapped(remote, senders_.back());
+        QueueChannel& sender = senders_.emplace_back(kNothingArrives);
+        sender.connect(at(remote));
+        sender.share(pool_);
+        Channel& end = tapped(remote, sender);
         if (security(self) == nullptr) return &end;
         return flow(remote).from_all ? security(self)->stop_end(end, 0, StopEnd::kSpeaks)
                                      : security(self)->outlet(end, remote);
@@ -100,6 +103,7 @@ class QueueNetwork {
         return tap ? *taps_.emplace_back(std::move(tap)) : end;
     }
 
+    MessagePool pool_;
     MakeTap make_tap_;
     std::array<QueueChannel, kPortCount> arrivals_;  // what waits at each port
     std::deque<QueueChannel> senders_;               // of the outlets
