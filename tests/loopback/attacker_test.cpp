@@ -251,7 +251,8 @@ TEST_F(LabKeyTest, ANodeWithAnotherKeyIsNamed) {
                     "export THIMBLE_LAB_KEY_FILE=" + (folder_ / "other.key").string() + "\nexec " +
                         (built_programs() / "thimble-cutaneous").string() + " \"$@\"\n");
     SessionFile file;
-    file.more = "peer_wait_s = 6\n[security]\nmode = 'lab-key'\n";
+    file.peer_wait_s = 6;
+    file.more = "[security]\nmode = 'lab-key'\n";
     setenv("THIMBLE_LAB_KEY_FILE", key_.c_str(), 1);
     RealRun run(file, {}, programs);
     unsetenv("THIMBLE_LAB_KEY_FILE");

@@ -225,7 +225,8 @@ class OtherMachinesFail : public OtherMachines {
     }
     static SessionFile session(const std::string& launch) {
         SessionFile session;
-        session.more = "peer_wait_s = 1.0\n" + launch;  // continues [trial]
+        session.peer_wait_s = 1;
+        session.more = launch;
         return session;
     }
 };

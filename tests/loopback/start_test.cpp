@@ -221,7 +221,7 @@ class MissingPeer : public testing::Test {
     // Before the nodes have all answered.
     static SessionFile waiting(double peer_wait_s) {
         SessionFile session;
-        session.more = "peer_wait_s = " + std::to_string(peer_wait_s);  // continues the table [trial]
+        session.peer_wait_s = peer_wait_s;
         return session;
     }
 

@@ -128,9 +128,10 @@ SessionFile SessionFile::endless(double contact_hold_s) {
 std::string SessionFile::text() const {
     return fmt::format(
         "[session]\nmodalities = {}\n{}fixture_jitter_m = 0\nparallel_conditions = {}\n"
-        "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = {}\ntimeout_s = {}\n{}\n",
+        "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = {}\ntimeout_s = {}\n"
+        "peer_wait_s = {}\n{}\n",
         modalities, delays_s.empty() ? "" : fmt::format("delays_s = {}\n", delays_s), parallel_conditions,
-        contact_hold_s, 60 + contact_hold_s, more);
+        contact_hold_s, 60 + contact_hold_s, peer_wait_s, more);
 }
 
 }  // namespace thimble

@@ -84,6 +84,7 @@ struct SessionFile {
     std::string delays_s = "[0.0]";  // empty: the file does not say
     double contact_hold_s = 0.5;     // the trial may take a minute more
     int parallel_conditions = 1;
+    double peer_wait_s = 60;  // beside busy compilers and under sanitizers nodes need long to start
     std::string more;  // further tables
 
     // Leaves time to do something in the trial, which then goes on to its end.
