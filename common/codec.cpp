@@ -88,7 +88,7 @@ struct FieldVerdict {
     }
 };
 
-// What a FieldReader would say of each field.
+// Says of each field what FieldReader says of its bytes.
 class FieldChecker {
   public:
     std::optional<Refusal> refusal() const { return verdict_.refusal(); }

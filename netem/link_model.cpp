@@ -55,8 +55,8 @@ void LinkModel::restart(const StreamKey& key, SessionTime start) {
 }
 
 void LinkModel::forget_all() {
-    while (!line_.empty()) store_.give_back(line_.take_first());
-    while (Packet* packet = transmitter_.take_any()) store_.give_back(packet);
+    while (forget_any() != nullptr) {
+    }
     line_.reset();
     in_flight_ = 0;
 }

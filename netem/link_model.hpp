@@ -95,6 +95,12 @@ class LinkModel {
     Departure pop_departure(SessionTime now);
     // The same as a block with its head, or null.
     Packet* pop_packet(SessionTime now) { return now < next_due_ ? nullptr : take_first(now); }
+    // Any packet in flight, or null. No counter tells of it; only before restart().
+    Packet* forget_any() {
+        Packet* packet = line_.empty() ? transmitter_.take_any() : line_.take_first();
+        if (packet != nullptr) store_.give_back(packet);
+        return packet;
+    }
     // A packet that is pushed now meets a constant delay and nothing else: what it holds does not matter.
     bool only_delays(SessionTime now) {
         if (now >= next_change_) run_until(now);

@@ -58,6 +58,7 @@ class NetemProcess final : public NodeProcess {
         for (Relay& relay : relays_) {
             relay.before += relay.model.counters();
             if (relay.changed) relay.model.change(now, relay.start);
+            while (Packet* packet = relay.model.forget_any()) release(relay, *packet);
             relay.model.restart({control.study_seed, control.experiment, control.subject, trial()}, now);
         }
     }
@@ -120,16 +121,24 @@ class NetemProcess final : public NodeProcess {
         }
     }
 
-    static void pass_on(Relay& relay, Packet& packet) {
+    static SharedMessage& message_in(Packet& packet) {
         SharedMessage* shared = nullptr;
         std::memcpy(&shared, packet.data(), sizeof shared);
-        MessagePool& pool = *relay.from->pool();
+        return *shared;
+    }
+
+    static void pass_on(Relay& relay, Packet& packet) {
+        SharedMessage& shared = message_in(packet);
         if (relay.to->pool() != nullptr) {
-            relay.to->hand_over(*shared);
+            relay.to->hand_over(shared);
         } else {
-            relay.to->send(pool.bytes_of(*shared));
+            relay.to->send(relay.from->pool()->bytes_of(shared));
         }
-        pool.release(*shared);
+        relay.from->pool()->release(shared);
+    }
+
+    static void release(Relay& relay, Packet& packet) {
+        if (packet.traffic_class == kHandedOver) relay.from->pool()->release(message_in(packet));
     }
 
     static void change(SessionTime now, Relay& relay, const SessionControl& control) {

@@ -63,6 +63,7 @@ class SimulatedHandle final : public SoftwareHandle {
             const auto due = static_cast<unsigned>((now - reached_) / Limb::kStep);
             const unsigned steps = std::min(due, kSubsteps - substep_);
             limb_.advance(steps, force_hand_N_);
+            operator_->prepare();
             reached_ += steps * Limb::kStep;
             substep_ = (substep_ + steps) % kSubsteps;
         }

@@ -12,6 +12,24 @@
 
 namespace thimble {
 
+// The next draw of a stream. It may be made before it is needed, while the processor waits for the limb's divisions.
+class PreparedNormal {
+  public:
+    void prepare(RandomStream& random) {
+        if (!ready_) value_ = random.normal();
+        ready_ = true;
+    }
+    double take(RandomStream& random) {
+        prepare(random);
+        ready_ = false;
+        return value_;
+    }
+
+  private:
+    double value_ = 0;
+    bool ready_ = false;
+};
+
 // Ornstein-Uhlenbeck process of unit variance and correlation exp(-t / tau):
 //     n(t + dt) = a n(t) + sqrt(1 - a^2) xi,  a = exp(-dt / tau). Starts in its stationary distribution.
 class OrnsteinUhlenbeck {
@@ -24,13 +42,15 @@ class OrnsteinUhlenbeck {
         assert(correlation_s > 0);
     }
     double next() {
-        value_ = keep_ * value_ + add_ * random_.normal();
+        value_ = keep_ * value_ + add_ * fresh_.take(random_);
         return value_;
     }
     double value() const { return value_; }
+    void prepare() { fresh_.prepare(random_); }
 
   private:
     RandomStream random_;
+    PreparedNormal fresh_;
     double keep_, add_, value_;
 };
 
@@ -51,14 +71,16 @@ class Tremor {
         value_ = neighbours * before_ + std::sqrt(1 - neighbours * neighbours) * random_.normal();
     }
     double next() {
-        const double fresh = recent_ * value_ + older_ * before_ + add_ * random_.normal();
+        const double fresh = recent_ * value_ + older_ * before_ + add_ * fresh_.take(random_);
         before_ = value_;
         value_ = fresh;
         return fresh;
     }
+    void prepare() { fresh_.prepare(random_); }
 
   private:
     RandomStream random_;
+    PreparedNormal fresh_;
     double recent_, older_, add_, value_, before_;
 };
 

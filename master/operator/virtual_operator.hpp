@@ -63,6 +63,13 @@ class VirtualOperator {
                 intention.stiffness_factor * load_.stiffness(load_N), load_.damping(load_N)};
     }
 
+    // Draws the noise of the next tick.
+    void prepare() {
+        sway_.prepare();
+        tremor_.prepare();
+        force_noise_.prepare();
+    }
+
     const Subject& subject() const { return subject_; }
     const Behaviour& behaviour() const { return behaviour_; }
     double criterion_N() const { return perception_.criterion_N(); }

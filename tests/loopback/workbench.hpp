@@ -85,7 +85,7 @@ struct SessionFile {
     double contact_hold_s = 0.5;     // the trial may take a minute more
     int parallel_conditions = 1;
     double peer_wait_s = 60;  // beside busy compilers and under sanitizers nodes need long to start
-    std::string more;  // further tables
+    std::string more;         // further tables
 
     // Leaves time to do something in the trial, which then goes on to its end.
     static SessionFile unhurried();
