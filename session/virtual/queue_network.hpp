@@ -1,5 +1,5 @@
 // The ports of a session's programs as queues within one program, for virtual time. A sent datagram waits at its port at once
-// and wakes the process that listens there.
+// and wakes the process that listens there. Messages are handed over without bytes, but behind a tap and with a lab key.
 #pragma once
 
 #include <array>

@@ -181,6 +181,62 @@ TEST_F(Golden, FirstTrialsOfSeedOne) {
                   << golden.string();
 }
 
+// Between its programs virtual time hands messages over. Behind a tap everything goes as bytes, as between real programs.
+class MessagesAndBytes : public testing::TestWithParam<Modality> {
+  protected:
+    static FlowCounters counted(const VirtualSession& session) {
+        FlowCounters sum;
+        for (const NodeProcess* node :
+             std::initializer_list<const NodeProcess*>{&session.master(), &session.netem(), &session.slave(),
+                                                       &session.cutaneous(), &session.visual()})
+            sum.add(node->counters());
+        return sum;
+    }
+
+    static void expect_same(const SystemSettings& settings, Duration delay) {
+        const TrialConditions conditions = trial_of(GetParam(), delay);
+        VirtualSession handed_over(settings);
+        VirtualSession as_bytes(settings, nullptr, {},
+                                [](Port, Channel& end) { return std::make_unique<Tap>(end); });
+        const TrialRecord &one = handed_over.run(conditions), &other = as_bytes.run(conditions);
+        EXPECT_TRUE(same_samples(one, other)) << common_samples(one, other) << " of " << other.samples.size();
+        EXPECT_EQ(one.reason, other.reason);
+        EXPECT_EQ(one.round_trip_s, other.round_trip_s);
+        EXPECT_EQ(one.beep_time_s, other.beep_time_s);
+        EXPECT_GT(one.samples.size(), 1000U);
+        EXPECT_EQ(counted(handed_over).accepted, counted(as_bytes).accepted);
+        EXPECT_EQ(counted(handed_over).refused, counted(as_bytes).refused);
+        EXPECT_EQ(handed_over.loop().ticks(), as_bytes.loop().ticks());
+        for (std::size_t i = 0; i < handed_over.netem().relays().size(); ++i) {
+            EXPECT_EQ(handed_over.netem().relays()[i].model.counters().delivered,
+                      as_bytes.netem().relays()[i].model.counters().delivered);
+        }
+    }
+};
+
+TEST_P(MessagesAndBytes, HaveTheSameBitsWithAndWithoutDelay) {
+    expect_same(paper(), {});
+    expect_same(paper_with_delays({}, kPaperDelay), kPaperDelay);
+}
+
+// A link of a limited rate needs the length, a corrupting one the bytes, one that changes has packets of both kinds in flight.
+TEST_P(MessagesAndBytes, HaveTheSameBitsOverABadNetwork) {
+    SystemSettings settings = paper_with_delays({}, std::chrono::milliseconds{20});
+    LinkSettings changed = settings.netem.force;
+    changed.corrupt = 0.01;
+    changed.duplicate = 0.01;
+    changed.rate.bits_per_s = 2e6;
+    LinkSettings later = settings.netem.force;
+    later.delay = std::chrono::milliseconds{5};
+    settings.netem.force_timeline = {{std::chrono::seconds{2}, changed}, {std::chrono::seconds{4}, later}};
+    expect_same(settings, std::chrono::milliseconds{20});
+    settings.netem.needle.jitter = {JitterShape::kUniform, std::chrono::milliseconds{3}, 0};
+    expect_same(settings, std::chrono::milliseconds{20});
+}
+
+INSTANTIATE_TEST_SUITE_P(InEachModality, MessagesAndBytes, testing::ValuesIn(kModalities),
+                         [](const auto& test) { return std::string(to_string(test.param)); });
+
 // Protection changes no bit of a trial.
 std::shared_ptr<const LabKey> virtual_lab_key() {
     std::array<std::uint8_t, kKeyBytes> bytes{};

@@ -234,6 +234,60 @@ TEST(QueueChannel, NobodyAtTheOtherEnd) {
     EXPECT_TRUE(alone.receive().empty());
 }
 
+// Messages of one pool and datagrams, in the order of sending.
+TEST(QueueChannel, HandsOverWhatIsSharedAndMakesBytesForWhoAsks) {
+    MessagePool pool;
+    QueueChannel a, b;
+    a.connect(b);
+    a.share(pool);
+    b.share(pool);
+    SharedMessage& first = pool.take();
+    first.message = {Header{1, {}, 2, 3, Role::kMaster}, NeedleCommand{1, 2, 3, 4, 5, 6}};
+    a.hand_over(first);
+    a.send(Packet{7});
+    a.hand_over(first);
+    pool.release(first);
+    EXPECT_EQ(first.users, 2U);
+    EXPECT_EQ(b.receive_shared(), &first);
+    EXPECT_EQ(b.receive_shared(), nullptr);
+    EXPECT_EQ(copy(b.receive()), (Packet{7}));
+    EXPECT_EQ(first.users, 1U);
+    Encoder encoder;
+    EXPECT_EQ(copy(b.receive()), copy(encoder.encode(first.message)));
+    EXPECT_TRUE(b.receive().empty());
+    EXPECT_EQ(b.receive_shared(), nullptr);
+}
+
+TEST(QueueChannel, AMessageIsKeptUntilTheNextCallAndThenUsedAgain) {
+    MessagePool pool;
+    QueueChannel a, b;
+    a.connect(b);
+    for (QueueChannel* end : {&a, &b}) end->share(pool);
+    const SharedMessage* last = nullptr;
+    for (std::uint32_t i = 0; i < 1000; ++i) {
+        SharedMessage& sent = pool.take();
+        EXPECT_NE(&sent, last) << "its reader may still look at it";
+        sent.message = {Header{1, {}, i, 0, Role::kMaster}, Percept{}};
+        a.hand_over(sent);
+        pool.release(sent);
+        last = b.receive_shared();
+        ASSERT_NE(last, nullptr);
+        EXPECT_EQ(last->message.header.sequence, i);
+    }
+    EXPECT_EQ(pool.size(), 64U);
+}
+
+TEST(QueueChannel, AMessageForWhichThereIsNoRoomIsLostAndCounted) {
+    MessagePool pool;
+    QueueChannel a, b(2);
+    a.connect(b);
+    for (QueueChannel* end : {&a, &b}) end->share(pool);
+    SharedMessage& sent = pool.take();
+    for (int i = 0; i < 3; ++i) a.hand_over(sent);
+    EXPECT_EQ(b.lost(), 2U);
+    EXPECT_EQ(sent.users, 2U);
+}
+
 TEST(QueueChannel, SendingAllocatesNothing) {
     QueueChannel a, b;
     a.connect(b);

@@ -32,15 +32,16 @@ std::optional<Refusal> judged(Bytes bytes) {
     return decoded.refusal;
 }
 
-std::optional<Refusal> verdict(const Body& body) {
+// Of the bytes. Of the message itself refusal_of() must say the same.
+std::optional<Refusal> verdict(const Message& message) {
     Encoder encoder;
-    return judged(encoder.encode(Header{}, body));
+    const std::optional<Refusal> refusal = judged(encoder.encode(message));
+    EXPECT_EQ(refusal_of(message), refusal);
+    return refusal;
 }
 
-std::optional<Refusal> verdict(const Header& header) {
-    Encoder encoder;
-    return judged(encoder.encode(header, Heartbeat{}));
-}
+std::optional<Refusal> verdict(const Body& body) { return verdict(Message{{}, body}); }
+std::optional<Refusal> verdict(const Header& header) { return verdict(Message{header, Heartbeat{}}); }
 
 Packet good_packet() {
     Encoder encoder;

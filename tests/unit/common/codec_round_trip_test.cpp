@@ -96,6 +96,7 @@ TEST(CodecRoundTrip, EveryLegalMessageArrivesAsItWasSent) {
         const Decoded decoded = decode(bytes);
         RC_ASSERT(decoded.message.has_value());
         RC_ASSERT(sent == *decoded.message);
+        RC_ASSERT(!refusal_of(sent));  // so who hands it over instead changes nothing
         // Bytes tell more than ==: signs of zero, and that nothing undefined goes out.
         RC_ASSERT(copy(second.encode(*decoded.message)) == bytes);
     }));
