@@ -19,7 +19,8 @@ struct Study {
     int (*run)(int argc, char** argv);
 };
 
-constexpr std::array<Study, 4> kStudies{{
+constexpr std::array<Study, 5> kStudies{{
+    {"codecs", "haptic codecs: packets saved against penetration", &codec_study},
     {"netem", "the relay beside the bare machine: lateness, throughput, round trip", &network_study},
     {"ends", "sender and receiver of a path between namespaces: errors of its delay", &network_ends},
     {"stability", "the delayed force loop: theory beside the running loop", &stability_study},

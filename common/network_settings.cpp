@@ -95,9 +95,9 @@ NetworkSettings observed_network(const std::string& session_file, std::uint16_t 
 }
 
 std::vector<std::string_view> session_tables() {
-    return {"network", "security",  "session", "trial",        "protocol", "dataset",   "tissue",
-            "fixture", "slave_sim", "master",  "handle",       "operator", "cutaneous", "visual",
-            "netem",   "runtime",   "launch",  "instructions", "control",  "log",       "guard"};
+    return {"network",   "security",     "session", "trial",    "protocol",  "dataset", "tissue", "fixture",
+            "slave_sim", "master",       "handle",  "operator", "cutaneous", "visual",  "netem",  "runtime",
+            "launch",    "instructions", "control", "log",      "guard",     "codec"};
 }
 
 }  // namespace thimble

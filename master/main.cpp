@@ -103,7 +103,7 @@ int main(int argc, char** argv) {
         "the returned force to the handle. The handle is simulated, with a virtual operator's hand on it, or "
         "drawn by a person's pointer, SpaceMouse or gamepad, or a real one (docs/handles.md).";
     program.example = "thimble-master deploy/sessions/delay50.toml";
-    program.tables = {"network", "runtime", "master", "guard", "handle", "operator", "control"};
+    program.tables = {"network", "runtime", "master", "guard", "handle", "operator", "control", "codec"};
     program.add_options = [&pointer](CLI::App& app) {
         app.add_flag("--pointer", pointer, "a person's pointer draws the handle, instead of [handle].device");
     };

@@ -25,6 +25,7 @@ MasterSettings read_master_settings(const ConfigFile& file, const GuardSettings&
     MasterSettings s = read_master_settings(file.table("master"));
     s.guard = read_guard_settings(file.table("guard"), guard);
     s.control = read_control_settings(file.table("control"));
+    s.codec = read_codec_settings(file.table("codec"));
     if (s.force_limit_N > s.guard.force_limit_N && file.table("master").has("force_limit_N")) {
         file.table("master").fail(
             "force_limit_N",
@@ -39,7 +40,8 @@ MasterNode::MasterNode(const MasterSettings& settings)
     : settings_(settings),
       estimator_(settings.velocity),
       control_(settings.control, {settings.position_scale, settings.force_scale, settings.force_limit_N,
-                                  settings.sample_period}) {}
+                                  settings.sample_period}),
+      fill_(settings.codec) {}
 
 void MasterNode::start_trial(SessionTime now, Modality modality, Duration network_delay) {
     control_.start(modality == Modality::kHF, network_delay);
@@ -49,6 +51,7 @@ void MasterNode::start_trial(SessionTime now, Modality modality, Duration networ
     heard_ = now + network_delay;
     age_.begin(now, longest_age(network_delay));
     asked_force_N_ = force_hand_N_ = 0;
+    fill_.reset();
     percept_ = {};
     round_trip_.clear();
     newest_age_ = {};
@@ -91,8 +94,11 @@ NeedleCommand MasterNode::sample(SessionTime now, const HandleSample& handle) {
 }
 
 std::optional<double> MasterNode::force_at_sample_N(SessionTime now) {
-    if (!control_.active()) return std::nullopt;
-    return share(now) * control_.force_N();
+    if (fill_.predicts() && control_.active()) control_.take(fill_.at(now));
+    if (control_.active()) return share(now) * control_.force_N();
+    if (!fill_.predicts()) return std::nullopt;
+    asked_force_N_ = handle_force_N(fill_.at(now));
+    return share(now) * asked_force_N_;
 }
 
 std::optional<double> MasterNode::take(SessionTime now, const ForceWave& wave) {
@@ -106,6 +112,7 @@ std::optional<double> MasterNode::take(SessionTime now, const ForceFeedback& fee
     newest_age_ = now - feedback.echo_time;
     // A held needle answers nothing, and has no force.
     age_.take(feedback.needle_held ? now : feedback.echo_time);
+    fill_.heard(now, feedback);
     if (control_.active()) {
         control_.take(feedback);
         return now == sampled_ ? force_at_sample_N(now) : std::nullopt;
@@ -119,6 +126,7 @@ std::optional<double> MasterNode::take(SessionTime now, const ForceFeedback& fee
 std::optional<double> MasterNode::fade(SessionTime now) {
     if (stood_still_) asked_force_N_ = 0;
     if (!stale(now)) return std::nullopt;
+    fill_.reset();
     if (!control_.active()) return asked_force_N_ * share(now);
     control_.forget();
     return share(now) == 0 ? std::optional(0.0) : std::nullopt;

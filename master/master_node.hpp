@@ -12,6 +12,7 @@
 #include "common/control/control_settings.hpp"
 #include "common/force_age.hpp"
 #include "common/messages.hpp"
+#include "common/reduction/force_codec.hpp"
 #include "common/round_trip.hpp"
 #include "common/shared_values.hpp"
 #include "common/stale_policy.hpp"
@@ -35,6 +36,7 @@ struct MasterSettings {
     // At the needle: velocity.quantum_m is position_scale x the encoder's step. sample_period is the one above.
     VelocitySettings velocity;
     ControlSettings control{};  // of table [control], in HF
+    CodecSettings codec{};      // of table [codec]
 };
 
 // Table [master], and with it [guard], over the values of `guard`, and [control]; throws Error (usage).
@@ -64,7 +66,7 @@ class MasterNode {
     const WaveBurst& waves() const { return control_.burst(); }
 
     // Forces for the handle, positive pushes it out (-z), within +-force_limit_N; none: it keeps the one it has. Only HF drives
-    // the handle. First the force at the newest sample, which only a compensator computes; call it once per sample.
+    // the handle. First the force at the newest sample, which a compensator computes, or a codec that predicts; call it once per sample.
     std::optional<double> force_at_sample_N(SessionTime now);
     std::optional<double> take(SessionTime now, const ForceFeedback& feedback);
     std::optional<double> take(SessionTime now, const ForceWave& wave);
@@ -99,6 +101,7 @@ class MasterNode {
     SessionTime heard_{};       // the newest force
     ForceAge age_;              // of it
     double asked_force_N_ = 0;  // by it
+    ForceFill fill_;            // between two of them
     Percept percept_;           // newest of skin and eyes
     RoundTrip round_trip_;
     Duration newest_age_{};

@@ -6,6 +6,7 @@ MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& setti
                              HapticDevice& device, OperatorPort& person, HandFollower* follower)
     : NodeProcess(Role::kMaster, instance, *ports.between(Port::kMasterControl, Port::kSessionMaster)),
       needle_flow_(Role::kMaster, instance, {ports.outlet(Port::kNetemNeedle)}),
+      needle_gate_(settings.codec),
       force_in_(ports.inlet(Port::kMasterForce)),
       cutaneous_in_(ports.inlet(Port::kMasterPerceptCutaneous)),
       visual_in_(ports.inlet(Port::kMasterPerceptVisual)),
@@ -20,6 +21,7 @@ MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& setti
 void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) {
     const Duration delay = first_answer_within(control);
     node_.start_trial(now, control.modality, delay);
+    needle_gate_.reset();
     handle_.clear(now);
     person_->start_trial(
         now, {control.study_seed, control.experiment, control.subject, trial(), control.modality});
@@ -96,6 +98,7 @@ void MasterProcess::sample(SessionTime now) {
 }
 
 void MasterProcess::send_needle(SessionTime now, const NeedleCommand& command) {
+    if (!needle_gate_.due(now, command)) return;
     if (node_.has_waves()) {
         needle_flow_.send(now, trial(), NeedleWave{command, node_.waves()});
     } else {

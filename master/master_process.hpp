@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/node_process.hpp"
+#include "common/reduction/needle_codec.hpp"
 #include "common/stale_record.hpp"
 #include "master/guarded_handle.hpp"
 #include "master/master_node.hpp"
@@ -53,6 +54,7 @@ class MasterProcess final : public NodeProcess {
     void apply(SessionTime now, std::optional<double> force_hand_N);
 
     OutboundFlow needle_flow_;  // to slave_sim, through netem
+    NeedleGate needle_gate_;
     // From slave_sim through netem; from cutaneous_node, visual_node and a person's pointer without delay.
     Channel *force_in_, *cutaneous_in_, *visual_in_, *hand_in_ = nullptr;
     MasterNode node_;

@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
         "moment it "
         "arrives, and gives the beep after trial.contact_hold_s (5 s) of unbroken contact with the fixture.";
     program.example = "thimble-slave-sim deploy/sessions/delay50.toml";
-    program.tables = {"network", "runtime", "tissue", "fixture", "slave_sim", "control"};
+    program.tables = {"network", "runtime", "tissue", "fixture", "slave_sim", "control", "codec"};
     program.read = [](const ConfigFile& file) { read_slave_settings(file); };
     program.build = [](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         return std::make_unique<Slave>(file, sockets, instance);

@@ -14,9 +14,12 @@ SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings
       needle_in_(ports.inlet(Port::kSlaveNeedle)),
       to_master_(Role::kSlaveSim, instance, {ports.outlet(Port::kNetemForceMaster)}),
       to_others_(Role::kSlaveSim, instance,
-                 {ports.outlet(Port::kNetemForceCutaneous), ports.outlet(Port::kNetemForceVisual),
-                  ports.outlet(Port::kSessionRecord)}),
+                 {ports.outlet(Port::kNetemForceCutaneous), ports.outlet(Port::kNetemForceVisual)}),
+      to_record_(Role::kSlaveSim, instance, {ports.outlet(Port::kSessionRecord)}),
       to_eyes_(Role::kSlaveSim, instance, {ports.outlet(Port::kVisualScene)}),
+      fill_(settings.codec, settings.wave.sample_period),
+      gate_master_(settings.codec, true),
+      gate_others_(settings.codec, false),
       stale_after_(settings.stale_after),
       node_(settings) {
     join_stop_bus(ports);
@@ -24,6 +27,9 @@ SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings
 
 void SlaveProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(control);
+    fill_.reset();
+    gate_master_.reset();
+    gate_others_.reset();
     needle_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
     next_hold_ = needle_flow_.last_accepted() + kPeerTimeout;
     next_beep_ = kNever;
@@ -43,27 +49,38 @@ void SlaveProcess::obey(SessionTime /*now*/, const SessionControl& control) {
 void SlaveProcess::work(SessionTime now) {
     if (node_.waves()) {
         needle_flow_.drain<NeedleWave>(
-            now, *needle_in_, running(), trial(), [&](const Header& header, const NeedleWave& message) {
-                answer(now, node_.on_wave(header.send_time, header.sequence, message));
-            });
+            now, *needle_in_, running(), trial(),
+            [&](const Header& header, const NeedleWave& message) { hear(now, header, message); });
     } else {
-        needle_flow_.drain<NeedleCommand>(
-            now, *needle_in_, running(), trial(), [&](const Header& header, const NeedleCommand& command) {
-                answer(now, node_.on_needle(header.send_time, header.sequence, command));
-            });
+        needle_flow_.drain<NeedleCommand>(now, *needle_in_, running(), trial(),
+                                          [&](const Header& header, const NeedleCommand& command) {
+                                              hear(now, header, {command, {}});
+                                          });
+    }
+    if (running() && now >= fill_.next()) {
+        if (const NeedleFill::Sample* sample = fill_.take(now))
+            answer(now, sample->stamp, sample->sequence, sample->message);
     }
     if (running() && now >= next_hold_) {
         stale_record_.watch(now, trial(), true);
         send(now, node_.hold());
+        fill_.reset();  // the next command may be of another master, with another clock
         next_hold_ = now + stale_after_;
     }
     if (running() && now >= next_beep_) send_beep(now);
 }
 
-void SlaveProcess::answer(SessionTime now, const ForceFeedback& feedback) {
+void SlaveProcess::hear(SessionTime now, const Header& header, const NeedleWave& message) {
     stale_record_.watch(now, trial(), false);
-    send(now, feedback);  // hold time 0: answered in the tick of its arrival
     next_hold_ = now + stale_after_;
+    if (fill_.heard(now, header, message)) answer(now, header.send_time, header.sequence, message);
+}
+
+void SlaveProcess::answer(SessionTime now, SessionTime stamp, std::uint32_t sequence,
+                          const NeedleWave& message) {
+    // hold time 0: answered in the tick of its arrival, or of the sample that stands for it
+    send(now, node_.waves() ? node_.on_wave(stamp, sequence, message)
+                            : node_.on_needle(stamp, sequence, message.command));
     if (node_.take_beep()) {
         beeps_left_ = kBeeps;
         send_beep(now);
@@ -71,12 +88,15 @@ void SlaveProcess::answer(SessionTime now, const ForceFeedback& feedback) {
 }
 
 void SlaveProcess::send(SessionTime now, const ForceFeedback& feedback) {
-    if (node_.waves()) {
-        to_master_.send(now, trial(), ForceWave{feedback, node_.wave_burst()});
-    } else {
-        to_master_.send(now, trial(), feedback);
+    if (gate_master_.due(now, feedback)) {
+        if (node_.waves()) {
+            to_master_.send(now, trial(), ForceWave{feedback, node_.wave_burst()});
+        } else {
+            to_master_.send(now, trial(), feedback);
+        }
     }
-    to_others_.send(now, trial(), feedback);
+    if (gate_others_.due(now, feedback)) to_others_.send(now, trial(), feedback);
+    to_record_.send(now, trial(), feedback);
     to_eyes_.send(now, trial(), feedback);
 }
 

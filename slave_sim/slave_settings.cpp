@@ -1,5 +1,6 @@
 #include "slave_sim/slave_settings.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "slave_sim/element_types.hpp"
@@ -76,6 +77,10 @@ SlaveSettings read_slave_settings(const ConfigFile& file) {
     own.read("stale", stale, "A needle without commands stands still; anything else is refused.");
     // It would move without a command.
     if (stale != "hold") own.fail("stale", "can only be \"hold\": a needle without commands stands still");
+    s.codec = read_codec_settings(file.table("codec"));
+    // Fewer packets need more patience: two in a row may be lost.
+    if (s.codec.command != HapticCodec::kNone)
+        s.stale_after = std::max(s.stale_after, s.codec.slave_patience());
     own.read("stale_after_s", s.stale_after, 0.001, 10,
              "Without a command for so long: the needle is held, every force is zero.");
     own.read("longest_step_s", s.longest_step, 0.001, 10,

@@ -5,6 +5,7 @@
 
 #include "common/config.hpp"
 #include "common/control/control_settings.hpp"
+#include "common/reduction/codec_settings.hpp"
 #include "common/shared_values.hpp"
 #include "common/time.hpp"
 #include "slave_sim/scene_file.hpp"
@@ -39,6 +40,7 @@ struct SlaveSettings {
 
     double fixture_position_m() const;  // of the scene's first forbidden region, which trials move
     WaveEndSettings wave{};             // in HF
+    CodecSettings codec{};              // of table [codec]
 };
 
 // Tables [tissue], [fixture], [trial] and [slave_sim]. Throws Error (usage).

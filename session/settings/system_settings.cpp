@@ -116,6 +116,20 @@ void check_agreement(const ConfigFile& file, const SystemSettings& s) {
           "bar_full_scale_N");
 }
 
+void check_codec(const ConfigFile& file, const SystemSettings& s) {
+    const CodecSettings& codec = s.slave.codec;
+    const ConfigTable table = file.table("codec");
+    if (codec.used() && s.master.control.compensator == Compensator::kWave)
+        table.fail(codec.command != HapticCodec::kNone ? "command" : "force",
+                   "does not go with [control] compensator = \"wave\": each packet carries the waves of its "
+                   "own sample. Use \"two-port\", or leave [codec] out");
+    if (codec.command != HapticCodec::kNone) check_refresh(table, codec, "slave_sim", s.slave.stale_after);
+    if (codec.force == HapticCodec::kNone) return;
+    check_refresh(table, codec, "master", s.master.stale.after);
+    check_refresh(table, codec, "cutaneous", s.cutaneous.stale.after);
+    check_refresh(table, codec, "visual", s.visual.stale.after);
+}
+
 // Delays of a trace hold whatever the mean delay is.
 bool has_traced_delay(const LinkSettings& link) {
     return link.trace != nullptr && link.trace->layout().has_delay;
@@ -185,6 +199,7 @@ SystemSettings read_tables(const ConfigFile& file) {
     s.log = read_log_settings(file);
     settle_delays(file, s);
     check_agreement(file, s);
+    check_codec(file, s);
     return s;
 }
 

@@ -1,0 +1,63 @@
+#include "common/reduction/codec_settings.hpp"
+
+#include <utility>
+
+namespace thimble {
+namespace {
+
+// A key that no chosen codec uses would be without effect.
+void refuse_unused(const ConfigTable& table, const CodecSettings& s) {
+    const auto either = [&](HapticCodec codec) { return s.command == codec || s.force == codec; };
+    const bool deadband = is_deadband(s.command) || is_deadband(s.force);
+    const bool delta = either(HapticCodec::kSendOnDelta);
+    const std::array uses{
+        std::pair{std::string_view{"weber_fraction"}, deadband},
+        std::pair{std::string_view{"velocity_floor_m_per_s"}, is_deadband(s.command)},
+        std::pair{std::string_view{"force_floor_N"}, is_deadband(s.force)},
+        std::pair{std::string_view{"delta_position_m"},
+                  is_deadband(s.command) || s.command == HapticCodec::kSendOnDelta},
+        std::pair{std::string_view{"delta_force_N"}, delta && s.force == HapticCodec::kSendOnDelta},
+        std::pair{std::string_view{"every"}, either(HapticCodec::kEveryNth)},
+        std::pair{std::string_view{"refresh_s"}, s.used()},
+    };
+    for (const auto& [key, used] : uses) {
+        if (!used && table.has(key))
+            table.fail(key, "has no effect: command is \"{}\" and force is \"{}\"",
+                       kHapticCodecNames[static_cast<std::size_t>(s.command)],
+                       kHapticCodecNames[static_cast<std::size_t>(s.force)]);
+    }
+}
+
+}  // namespace
+
+CodecSettings read_codec_settings(const ConfigTable& table) {
+    CodecSettings s;
+    table.read("command", s.command, kHapticCodecNames, "Which needle commands the master sends.");
+    table.read("force", s.force, kHapticCodecNames,
+               "Which forces slave_sim sends to handle, finger and bar.");
+    table.read("weber_fraction", s.weber_fraction, 0.001, 1,
+               "deadband: change of velocity or force that is not sent, as a fraction of the last one sent.");
+    table.read("velocity_floor_m_per_s", s.velocity_floor_m_per_s, 0, 10,
+               "deadband, command: slower needles have the deadband of this velocity.");
+    table.read("force_floor_N", s.force_floor_N, 0, 10,
+               "deadband, force: smaller forces have the deadband of this one.");
+    table.read("delta_position_m", s.delta_position_m, 1e-7, 0.1,
+               "send-on-delta and deadband, command: the needle's place at the slave is wrong by no more.");
+    table.read("delta_force_N", s.delta_force_N, 1e-6, 100, "send-on-delta, force: the change that is sent.");
+    table.read("every", s.every, 2, 1000, "every-nth: of so many samples one is sent.");
+    table.read("refresh_s", s.refresh, 0.002, 1,
+               "Without a change a sample is sent after so long, which also follows a lost one.");
+    refuse_unused(table, s);
+    return s;
+}
+
+void check_refresh(const ConfigTable& table, const CodecSettings& codec, std::string_view node,
+                   Duration after) {
+    if (!codec.used() || 2 * codec.refresh < after) return;
+    table.fail("refresh_s",
+               "is {} s, but {}.stale_after_s is {} s: after one lost packet the output would fall; use "
+               "less than half of it",
+               to_seconds(codec.refresh), node, to_seconds(after));
+}
+
+}  // namespace thimble

@@ -1,0 +1,115 @@
+// Forces that are not sent, and what stands for them at the handle. F of the last packet, t since, F' the slope between the last two:
+//
+//     hold      F^(t) = F                      deadband, every-nth, send-on-delta; finger and bar always
+//     linear    F^(t) = F + F' t               deadband-linear; never with the other sign
+//
+// sent if    |F(t) - F^(t)| > k max(|F|, F_floor)     deadbands: Hinterseer and Steinbach 2006, Hinterseer et al. 2008
+//     or     |F(t) - F| > delta                       send-on-delta
+//     or     t >= refresh, or phase, fixture or hold have changed
+//
+// After a lost packet the two ends have different slopes until two more have come.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/messages.hpp"
+#include "common/reduction/codec_settings.hpp"
+
+namespace thimble {
+
+// The straight line through the last two forces of a flow, by the stamps of the samples that they answer.
+class ForceLine {
+  public:
+    void reset() { points_ = 0; }
+    void add(const ForceFeedback& feedback) {
+        const double elapsed_s = to_seconds(feedback.echo_time - newest_.echo_time);
+        const double change_N = feedback.force_total_N - newest_.force_total_N;
+        slope_N_per_s_ = points_ > 0 && elapsed_s > 0 ? change_N / elapsed_s : 0;
+        newest_ = feedback;
+        ++points_;
+    }
+    bool empty() const { return points_ == 0; }
+    const ForceFeedback& newest() const { return newest_; }
+    double at(Duration since) const {
+        const double force_N = newest_.force_total_N + slope_N_per_s_ * to_seconds(since);
+        return newest_.force_total_N < 0 ? std::min(force_N, 0.0) : std::max(force_N, 0.0);
+    }
+
+  private:
+    ForceFeedback newest_;
+    double slope_N_per_s_ = 0;
+    unsigned points_ = 0;
+};
+
+// slave_sim's end of one flow.
+class ForceGate {
+  public:
+    // predicts: the receiver draws the line.
+    ForceGate(const CodecSettings& settings, bool predicts) : settings_(settings), predicts_(predicts) {}
+
+    void reset() { line_.reset(); }
+    // Whether this answer is sent. Once per answer, in order.
+    bool due(SessionTime now, const ForceFeedback& feedback) {
+        if (settings_.force == HapticCodec::kNone) return true;
+        ++skipped_;
+        if (!line_.empty() && !changed(now, feedback)) return false;
+        skipped_ = 0;
+        sent_at_ = now;
+        line_.add(feedback);
+        return true;
+    }
+
+  private:
+    bool changed(SessionTime now, const ForceFeedback& feedback) const {
+        if (now - sent_at_ >= settings_.refresh) return true;
+        const ForceFeedback& sent = line_.newest();
+        if (feedback.phase != sent.phase || feedback.fixture_present != sent.fixture_present ||
+            feedback.needle_held != sent.needle_held)
+            return true;
+        if (settings_.force == HapticCodec::kEveryNth) return skipped_ >= settings_.every;
+        return !(std::abs(feedback.force_total_N - there_N(feedback)) <= width_N());
+    }
+    double there_N(const ForceFeedback& feedback) const {
+        if (!predicts_ || settings_.force != HapticCodec::kDeadbandLinear)
+            return line_.newest().force_total_N;
+        return line_.at(feedback.echo_time - line_.newest().echo_time);
+    }
+    double width_N() const {
+        if (!is_deadband(settings_.force)) return settings_.delta_force_N;
+        const double sent_N = std::abs(line_.newest().force_total_N);
+        return settings_.weber_fraction * std::max(sent_N, settings_.force_floor_N);
+    }
+
+    CodecSettings settings_;
+    bool predicts_;
+    unsigned skipped_ = 0;
+    SessionTime sent_at_{};
+    ForceLine line_;
+};
+
+// The handle's end: the force between two packets, where it is not simply held.
+class ForceFill {
+  public:
+    explicit ForceFill(const CodecSettings& settings) : settings_(settings) {}
+
+    void reset() { line_.reset(); }
+    void heard(SessionTime now, const ForceFeedback& feedback) {
+        if (settings_.force != HapticCodec::kDeadbandLinear) return;
+        heard_at_ = now;
+        line_.add(feedback);
+    }
+    bool predicts() const { return !line_.empty(); }
+    ForceFeedback at(SessionTime now) const {
+        ForceFeedback feedback = line_.newest();
+        feedback.force_total_N = line_.at(std::min(now - heard_at_, settings_.refresh));
+        return feedback;
+    }
+
+  private:
+    CodecSettings settings_;
+    SessionTime heard_at_{};
+    ForceLine line_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,41 @@
+// Packets and bytes of the haptic flows of one trial, as they are on the wire between machines: what [codec] saves.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+#include "session/records/trial_record.hpp"
+#include "session/settings/system_settings.hpp"
+
+namespace thimble {
+
+class NetemProcess;
+
+// In the order of NetemProcess::relays().
+inline constexpr std::array<std::string_view, 4> kHapticFlows{"needle", "force master", "force cutaneous",
+                                                              "force visual"};
+
+struct FlowUse {
+    double packets_per_s = 0;
+    double bytes_per_s = 0;  // message, two seals (docs/security.md), headers of UDP and IPv4
+};
+using WireUse = std::array<FlowUse, kHapticFlows.size()>;
+
+// What is between the bytes of a message and those of its IPv4 packet.
+inline constexpr std::size_t kHeaderBytes_IPv4_UDP = 28;
+// Of a packet with a NeedleCommand or ForceFeedback, or with energies (two-port passivity), sealed.
+std::size_t haptic_packet_bytes(std::size_t flow, bool with_energies);
+
+// Of the trial that has just ended, over its recorded samples.
+WireUse wire_use(const NetemProcess& netem, const TrialRecord& record);
+
+struct CountedTrial {
+    TrialRecord record;
+    WireUse wire;
+    double energy_in_J = 0;  // work of the hand on the handle; negative: more came out
+};
+// As run_virtual_trial, with what went over the wire.
+CountedTrial run_counted_trial(const SystemSettings& settings, const TrialConditions& conditions);
+
+}  // namespace thimble
