@@ -40,9 +40,11 @@ install(FILES ${CMAKE_BINARY_DIR}/thimble-config.cmake ${CMAKE_BINARY_DIR}/thimb
 
 # Programs find the sessions by name beside the folder they lie in, installed or not.
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/share/thimble)
-file(CREATE_LINK ${PROJECT_SOURCE_DIR}/deploy/sessions ${CMAKE_BINARY_DIR}/share/thimble/sessions SYMBOLIC)
+foreach(FOLDER board sessions)
+    file(CREATE_LINK ${PROJECT_SOURCE_DIR}/deploy/${FOLDER} ${CMAKE_BINARY_DIR}/share/thimble/${FOLDER} SYMBOLIC)
+endforeach()
 # Session files, scenes and networks to begin with.
-install(DIRECTORY deploy/pages deploy/sessions deploy/scenes deploy/profiles DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble
+install(DIRECTORY deploy/board deploy/pages deploy/sessions deploy/scenes deploy/profiles DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble
     COMPONENT programs)
 # The page for a browser (thimble play --browser), where deploy/browser has built it.
 install(FILES build/browser/thimble.html DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble COMPONENT programs OPTIONAL)

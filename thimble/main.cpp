@@ -23,7 +23,7 @@ std::vector<Purpose> add_commands(CLI::App& app, const std::string& typed) {
     std::vector<Purpose> purposes;
     purposes.push_back({"Try it", {add_play(app), add_run(app, typed), add_check(app)}});
     purposes.push_back({"Study",
-                        {add_study(app), add_compensators(app), add_analyse(app), add_report(app, typed),
+                        {add_study(app), add_compensators(app), add_board(app), add_analyse(app), add_report(app, typed),
                          add_replay(app), add_power(app, typed)}});
     purposes.push_back({"People", {add_dataset(app), add_fit(app)}});
     purposes.push_back({"Network", {add_link_test(app)}});

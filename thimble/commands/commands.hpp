@@ -30,6 +30,7 @@ Subcommand add_config(CLI::App& app);
 Subcommand add_doctor(CLI::App& app);
 Subcommand add_dataset(CLI::App& app);
 Subcommand add_compensators(CLI::App& app);
+Subcommand add_board(CLI::App& app);
 Subcommand add_link_test(CLI::App& app);
 Subcommand add_stability(CLI::App& app);
 Subcommand add_swarm(CLI::App& app);

@@ -1,0 +1,29 @@
+// A table that grows in the order of a plan, NAME.csv, beside the text of that plan, NAME.txt. Its bytes depend on nothing but the
+// plan, and a run that was interrupted or killed is gone on with.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "common/csv/csv_file.hpp"
+
+namespace thimble {
+
+class PlannedTable {
+  public:
+    // In `folder`, made if missing. kContinue goes on behind the whole rows that are there, if they are of the same plan. `what` is
+    // for messages: "map". Throws Error (usage, run failed).
+    PlannedTable(const std::filesystem::path& folder, const std::string& name, const std::string& what,
+                 const std::string& plan, std::string_view header, IfExists if_exists);
+
+    std::size_t done() const { return done_; }  // rows, from the first on
+    void append(std::string_view rows);         // whole lines; they are with the kernel then
+
+  private:
+    std::size_t done_;
+    CsvFile file_;
+};
+
+}  // namespace thimble

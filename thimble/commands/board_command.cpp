@@ -1,0 +1,96 @@
+// thimble board: controllers and codecs of anybody, in one table.
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "study/board/board_run.hpp"
+#include "thimble/commands/commands.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::uint32_t kQuickTrials = 5;
+
+struct BoardArguments {
+    std::string out = "out/board";
+    std::vector<std::string> plugins, only;
+    std::uint64_t seed = 1;
+    unsigned jobs = 0;
+    bool quick = false, overwrite = false, resume = false;
+};
+
+BoardPlan plan_of(const BoardArguments& a) {
+    BoardPlan plan = read_board(board_folder());
+    plan.seed = a.seed;
+    if (a.quick) plan.trials = kQuickTrials;
+    for (const std::string& file : a.plugins) plan.controllers.push_back(plugin_entry(file));
+    keep_only(plan, a.only);
+    return plan;
+}
+
+// 1 if a contestant did not come to its end in some row.
+int say_failures(const BoardPlan& plan, const BoardOptions& options) {
+    int code = static_cast<int>(ExitCode::kOk);
+    for (const BoardRow& row : read_board_rows(options.out / "board.csv")) {
+        if (row.status == "ok") continue;
+        spdlog::error("{}, {}, {}: {}", row.controller, row.codec, row.condition, row.status);
+        code = static_cast<int>(ExitCode::kRunFailed);
+    }
+    fmt::print("table: {} ({} rows)\n", (options.out / "board.csv").string(), plan.rows());
+    return code;
+}
+
+int board(const BoardArguments& a) {
+    const BoardPlan plan = plan_of(a);
+    install_stop_signals();
+    const IfExists fresh = a.overwrite ? IfExists::kReplace : IfExists::kRefuse;
+    const BoardOptions options{a.out, a.resume ? IfExists::kContinue : fresh, a.jobs, &stop_requested()};
+    if (!run_board(plan, options)) {
+        spdlog::error("interrupted; the rows that were done are kept: go on with --resume");
+        return static_cast<int>(ExitCode::kRunFailed);
+    }
+    return say_failures(plan, options);
+}
+
+void add_options(CLI::App& sub, BoardArguments& a) {
+    sub.add_option("-o,--out", a.out, "folder for board.html, board.csv, board.json and figures/")
+        ->capture_default_str();
+    sub.add_flag("--quick", a.quick, "5 trials for each row instead of 30");
+    sub.add_option("--plugin", a.plugins, "one more controller, from this file; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("FILE");
+    sub.add_option("--only", a.only, "these controllers, codecs and conditions alone, e.g. HF,wave,50ms")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name("NAME,...");
+    sub.add_option("--seed", a.seed, "of subjects, fixtures and networks")->capture_default_str();
+    sub.add_option("-j,--jobs", a.jobs, "threads; 0: one per core. The results do not depend on it")
+        ->check(CLI::Range(0, 1024));
+    CLI::Option* const overwrite =
+        sub.add_flag("--overwrite", a.overwrite, "replace an earlier board in that folder");
+    sub.add_flag("--resume", a.resume, "go on where an interrupted board ended; the same bytes come out")
+        ->excludes(overwrite);
+}
+
+}  // namespace
+
+Subcommand add_board(CLI::App& app) {
+    const auto arguments = std::make_shared<BoardArguments>();
+    CLI::App* sub =
+        app.add_subcommand("board", "controllers and codecs, built in or plugged in, in the same conditions");
+    add_options(*sub, *arguments);
+    sub->footer(
+        "Examples:\n  thimble board --out out/board\n"
+        "  thimble board --quick --seed 7 --out out/quick\n"
+        "  thimble board --plugin ./mine.so --only mine,wave --out out/mine");
+    return {sub, [arguments] { return board(*arguments); }};
+}
+
+}  // namespace thimble
