@@ -55,3 +55,18 @@ if(THIMBLE_IGTL)
     target_include_directories(openigtlink INTERFACE ${OPENIGTLINK_INCLUDE_DIR})
     target_link_libraries(openigtlink INTERFACE ${OPENIGTLINK_LIBRARY})
 endif()
+
+# import thimble (docs/python.md). Sanitizers would have to be loaded into Python before it.
+option(THIMBLE_PYTHON "build the Python package" ON)
+if(THIMBLE_PYTHON AND THIMBLE_SANITIZE)
+    set(THIMBLE_PYTHON OFF)
+endif()
+if(THIMBLE_PYTHON)
+    set(Python_FIND_STRATEGY LOCATION)  # the first python3 of the PATH, not the newest
+    find_package(Python 3.11 COMPONENTS Interpreter Development.Module)
+    find_package(pybind11 2.10 CONFIG)
+    if(NOT Python_Development.Module_FOUND OR NOT pybind11_FOUND)
+        message(WARNING "THIMBLE_PYTHON is off: the headers of Python or pybind11 are not here (packages python3-dev, pybind11-dev)")
+        set(THIMBLE_PYTHON OFF)
+    endif()
+endif()

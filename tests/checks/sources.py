@@ -5,7 +5,7 @@ import re
 
 NODE_ROOMS = ("netem", "master", "slave_sim", "cutaneous_node", "visual_node")
 # Lowest first: each knows the ranks before its own. No node knows another node.
-RANKS = (("common",), NODE_ROOMS, ("stability",), ("session",), ("analysis",), ("study",), ("thimble",), ("browser",), ("bench",), ("tests",))
+RANKS = (("common",), NODE_ROOMS, ("stability",), ("session",), ("analysis",), ("study",), ("thimble",), ("browser",), ("python",), ("bench",), ("tests",))
 ROOTS = tuple(room for rank in RANKS for room in rank)
 ROOMS = ROOTS[:-2]
 SUFFIXES = (".hpp", ".h", ".cpp")

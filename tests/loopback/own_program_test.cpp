@@ -21,18 +21,20 @@ class OwnProgram : public testing::Test {
   protected:
     OwnProgram() {
         folder_.write("session.toml", kOwnSession);
-        write("messages.py", read_text(kExample / "messages.py"));
+        write("lock_step.py", read_text(kExample / "lock_step.py"));
         write("slave.py", read_text(kExample / "slave.py"));
     }
     void write(const char* name, const std::string& text) const {
         fs::permissions(folder_.write(name, text), fs::perms::owner_all);
     }
-    // The slave does something else at this place.
+    // The slave, or the file that it imports, does something else at this place.
     void change(const std::string& old, const std::string& changed) const {
-        std::string text = read_text(folder_ / "slave.py");
+        const bool own = read_text(folder_ / "slave.py").find(old) != std::string::npos;
+        const char* const name = own ? "slave.py" : "lock_step.py";
+        std::string text = read_text(folder_ / name);
         const std::size_t at = text.find(old);
         ASSERT_NE(at, std::string::npos) << old;
-        write("slave.py", text.replace(at, old.size(), changed));
+        write(name, text.replace(at, old.size(), changed));
     }
     // The slave does this first with its 200th command.
     void change_within_trial(const std::string& statement) const {
@@ -120,7 +122,7 @@ TEST_F(OwnProgram, ThatDoesNotAnswerIsNamed) {
 
 // It would hold the session's clock for ever.
 TEST_F(OwnProgram, ThatIsAlwaysDueIsNamed) {
-    change("else slave.tick(time_ns, counts)", "else slave.tick(time_ns, counts) * 0");
+    change("else node.tick(time_ns, counts)", "else node.tick(time_ns, counts) * 0");
     const Outcome outcome = run(lock_step("out"));
     EXPECT_EQ(outcome.code, 3);
     EXPECT_THAT(outcome.words,

@@ -27,7 +27,7 @@ std::vector<Diagnosis> examine(const Facts& facts) {
                                  check_realtime,        check_timer,    check_governor, check_clock_source,
                                  check_kernel,          check_clock,    check_handle,   check_fingertip,
                                  check_device_software, check_can,      check_screen,   check_sound,
-                                 check_software};
+                                 check_software,        check_python};
     std::vector<Diagnosis> findings;
     findings.reserve(kChecks.size());
     for (const auto check : kChecks) findings.push_back(check(facts));

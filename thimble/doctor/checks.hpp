@@ -47,6 +47,7 @@ Diagnosis check_programs(const Facts& facts);
 Diagnosis check_ports(const Facts& facts);
 Diagnosis check_firewall(const Facts& facts);
 Diagnosis check_software(const Facts& facts);
+Diagnosis check_python(const Facts& facts);
 // Time.
 Diagnosis check_realtime(const Facts& facts);
 Diagnosis check_timer(const Facts& facts);

@@ -86,8 +86,9 @@ struct ProgramFacts {
     };
     std::string own_version, folder;
     std::vector<Program> nodes;
-    std::string gnuplot;  // version; empty: not there
-    std::string system;   // "Debian GNU/Linux 12 (bookworm)"
+    std::string gnuplot;   // version; empty: not there
+    std::string system;    // "Debian GNU/Linux 12 (bookworm)"
+    std::string python{};  // version of the thimble that python3 imports; empty: none
 };
 
 enum class DeviceUse : std::uint8_t { kHidHand, kForceDimension, kFalcon, kFingertipBoard, kUnusable };

@@ -93,9 +93,9 @@ std::string whole_file(const char* path) {
 }
 
 // Empty if it cannot be started.
-std::string version_line(const std::string& program, const char* option) {
+std::string version_line(const std::string& program, const std::vector<std::string>& options) {
     try {
-        const ProgramResult result = run_program(program, {option}, ".", "");
+        const ProgramResult result = run_program(program, options, ".", "");
         return result.exit_code == 0 ? result.output.substr(0, result.output.find('\n')) : "";
     } catch (const Error&) {
         return "";
@@ -167,8 +167,9 @@ ProgramFacts gather_programs(const fs::path& folder) {
     facts.own_version = kVersion;
     facts.folder = folder.string();
     for (const NodeKind& node : kNodes)
-        facts.nodes.push_back({node.program, version_line((folder / node.program).string(), "--version")});
-    facts.gnuplot = version_line("gnuplot", "--version");
+        facts.nodes.push_back({node.program, version_line((folder / node.program).string(), {"--version"})});
+    facts.gnuplot = version_line("gnuplot", {"--version"});
+    facts.python = version_line("python3", {"-c", "import thimble; print(thimble.__version__)"});
     facts.system = system_name();
     return facts;
 }

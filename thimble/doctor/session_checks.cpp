@@ -126,4 +126,16 @@ Diagnosis check_software(const Facts& facts) {
                         "sudo apt-get install gnuplot-nox");
 }
 
+Diagnosis check_python(const Facts& facts) {
+    const ProgramFacts& programs = facts.programs;
+    Diagnosis finding{"python", ExitCode::kRunFailed};
+    if (programs.python.empty())
+        return finding.is(Severity::kNote, "python3 has no thimble that it can import (docs/python.md)",
+                          "sudo apt-get install ./out/package/python3-thimble_*.deb");
+    finding.says = fmt::format("python3 imports thimble {}", programs.python);
+    if (programs.python == programs.own_version) return finding;
+    return finding.adds(Severity::kWarning, fmt::format(", and this is thimble {}", programs.own_version),
+                        "python3 -c 'import thimble; print(thimble.__file__)'");
+}
+
 }  // namespace thimble

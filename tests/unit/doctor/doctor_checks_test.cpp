@@ -74,6 +74,16 @@ TEST(DoctorChecks, ProgramsMustBeThereAndOfOneVersion) {
                      {{}, kWarning, "without figures", "gnuplot-nox"}});
 }
 
+TEST(DoctorChecks, PythonsPackageIsOfTheSameVersion) {
+    const auto python = [](const char* version) {
+        return with(&Facts::programs, {"0.1.0", "", {}, "", "", version});
+    };
+    expect_findings(check_python,
+                    {{python("0.1.0"), kOk, "python3 imports thimble 0.1.0"},
+                     {python(""), kNote, "no thimble", "python3-thimble"},
+                     {python("0.0.9"), kWarning, "thimble 0.0.9, and this is thimble 0.1.0", "__file__"}});
+}
+
 TEST(DoctorChecks, OurOwnProgramsAreEndedAtAPortOthersAreAvoided) {
     const auto taken = [](std::vector<TakenPort> by) {
         return with(&Facts::ports, {27000, 50, 25, std::move(by), true});
