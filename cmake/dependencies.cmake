@@ -70,3 +70,13 @@ if(THIMBLE_PYTHON)
         set(THIMBLE_PYTHON OFF)
     endif()
 endif()
+
+# Cyclone DDS, for thimble-ros2 alone (docs/ros2.md). What idlc makes of the messages is C.
+option(THIMBLE_ROS2 "build thimble-ros2, which shows sessions to ROS 2" ON)
+if(THIMBLE_SANITIZE)
+    set(THIMBLE_ROS2 OFF)  # as with Open MPI: DDS has threads of its own, and no sanitizer in them
+endif()
+if(THIMBLE_ROS2)
+    find_package(CycloneDDS REQUIRED)
+    enable_language(C)
+endif()

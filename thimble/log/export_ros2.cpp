@@ -18,12 +18,8 @@
 namespace thimble {
 namespace {
 
-// Frames: `tissue` (where the needle is), `handle` (where the hand is) and `finger` (its pad), z positive into the tissue, into the
-// handle's way of insertion, and into the pad.
-constexpr std::string_view kTissueFrame = "tissue", kHandleFrame = "handle", kFingerFrame = "finger";
 constexpr std::string_view kJoint = "insertion";
 constexpr std::size_t kRos2ChunkBytes = std::size_t{1} << 20;
-constexpr const char* kEventTopic = "/session/event";
 
 // The output of one flow of the logs, by one of its topics.
 struct Ros2Part {
@@ -89,7 +85,7 @@ class Ros2Export {
             if (part.from.starts_with(asked_for) && !channels_.contains(std::string(part.told_by)))
                 written.missing.emplace_back(part.words);
         }
-        written.events_only = channels_.size() == channels_.count(kEventTopic);
+        written.events_only = channels_.size() == channels_.count(ros2::kEvent.name);
         return written;
     }
 
@@ -99,11 +95,12 @@ class Ros2Export {
         std::uint32_t sequence = 0;
     };
 
-    void put(const char* topic, Ros2Type type, Ros2Value value) {
+    void put(const Ros2Topic& topic, Ros2Value value) {
         value.stamp_ns = now_ns_;
-        Line& line = line_of(topic, type);
+        value.frame = topic.frame;
+        Line& line = line_of(topic.name, topic.type);
         const auto time = static_cast<std::uint64_t>(now_ns_);
-        writer_.add_message({line.channel, ++line.sequence, time, time, ros2_bytes(type, value, cdr_)});
+        writer_.add_message({line.channel, ++line.sequence, time, time, ros2_bytes(topic.type, value, cdr_)});
     }
     Line& line_of(const char* topic, Ros2Type type) {
         const auto found = channels_.find(topic);
@@ -119,37 +116,33 @@ class Ros2Export {
     }
 
     void add_command(const NeedleCommand& c) {
-        put("/master/measured_cp", Ros2Type::kPoseStamped, {0, kHandleFrame, c.position_hand_m});
-        put("/master/measured_cv", Ros2Type::kTwistStamped, {0, kHandleFrame, c.velocity_hand_m_per_s});
+        put(ros2::kHandPlace, {0, {}, c.position_hand_m});
+        put(ros2::kHandVelocity, {0, {}, c.velocity_hand_m_per_s});
         // The only force that counts positive outwards.
-        put("/master/measured_cf", Ros2Type::kWrenchStamped, {0, kHandleFrame, -c.force_hand_N});
-        put("/master/measured_js", Ros2Type::kJointState,
-            {0, kHandleFrame, c.position_hand_m, c.velocity_hand_m_per_s, -c.force_hand_N, kJoint});
-        put("/slave_sim/servo_cp", Ros2Type::kPoseStamped, {0, kTissueFrame, c.position_needle_m});
-        put("/slave_sim/servo_cv", Ros2Type::kTwistStamped, {0, kTissueFrame, c.velocity_needle_m_per_s});
+        put(ros2::kHandForce, {0, {}, -c.force_hand_N});
+        put(ros2::kHandJoint, {0, {}, c.position_hand_m, c.velocity_hand_m_per_s, -c.force_hand_N, kJoint});
+        put(ros2::kNeedleRequest, {0, {}, c.position_needle_m});
+        put(ros2::kNeedleVelocityRequest, {0, {}, c.velocity_needle_m_per_s});
     }
 
     // slave_sim's measures stand in the undelayed record, its requests in the messages that arrive.
     void add_force(const ForceFeedback& f, const LoggedTopic& topic) {
         if (topic.topic == "/slave_sim/force_feedback/master" && !topic.sent)
-            put("/master/servo_cf", Ros2Type::kWrenchStamped, {0, kTissueFrame, f.force_total_N});
+            put(ros2::kMasterRequest, {0, {}, f.force_total_N});
         if (topic.topic == "/slave_sim/force_feedback/cutaneous" && !topic.sent)
-            put("/cutaneous/servo_cf", Ros2Type::kWrenchStamped, {0, kTissueFrame, f.force_total_N});
+            put(ros2::kFingerRequest, {0, {}, f.force_total_N});
         if (topic.topic != "/slave_sim/record") return;
-        put("/slave_sim/measured_cp", Ros2Type::kPoseStamped, {0, kTissueFrame, f.position_needle_m});
-        put("/slave_sim/measured_cf", Ros2Type::kWrenchStamped, {0, kTissueFrame, f.force_total_N});
-        put("/slave_sim/tissue/measured_cf", Ros2Type::kWrenchStamped, {0, kTissueFrame, f.force_tissue_N});
-        put("/slave_sim/fixture/measured_cf", Ros2Type::kWrenchStamped, {0, kTissueFrame, f.force_fixture_N});
-        put("/slave_sim/surface/measured_cp", Ros2Type::kPoseStamped,
-            {0, kTissueFrame, f.position_surface_m});
-        put("/slave_sim/surface/measured_cv", Ros2Type::kTwistStamped,
-            {0, kTissueFrame, f.velocity_surface_m_per_s});
-        put("/slave_sim/proxy/measured_cp", Ros2Type::kPoseStamped, {0, kTissueFrame, f.position_proxy_m});
+        put(ros2::kNeedlePlace, {0, {}, f.position_needle_m});
+        put(ros2::kTotalForce, {0, {}, f.force_total_N});
+        put(ros2::kTissueForce, {0, {}, f.force_tissue_N});
+        put(ros2::kFixtureForce, {0, {}, f.force_fixture_N});
+        put(ros2::kSurfacePlace, {0, {}, f.position_surface_m});
+        put(ros2::kSurfaceVelocity, {0, {}, f.velocity_surface_m_per_s});
+        put(ros2::kProxyPlace, {0, {}, f.position_proxy_m});
     }
 
     void add_percept(const Percept& p, const LoggedTopic& topic) {
-        if (topic.topic == "/cutaneous/percept")
-            put("/cutaneous/measured_cf", Ros2Type::kWrenchStamped, {0, kFingerFrame, p.force_N});
+        if (topic.topic == "/cutaneous/percept") put(ros2::kFingerForce, {0, {}, p.force_N});
     }
 
     // Orders are said to each node, and again until it answers: each is an event once. A network is said until the session
@@ -171,18 +164,11 @@ class Ros2Export {
     void add_event(const LoggedFile* file, const LoggedTopic& topic, const Header& header,
                    const SessionControl& control) {
         if (!is_news(file, topic, header, control)) return;
-        constexpr std::array kNames{"trial start", "beep",     "fixture change",
-                                    "trial end",   "shutdown", "network change"};
-        std::string text =
-            fmt::format("{} {}", kNames.at(static_cast<std::size_t>(control.kind)), header.trial);
-        if (control.kind == ControlKind::kTrialStart) text += fmt::format(" {}", to_string(control.modality));
-        if (control.kind == ControlKind::kNetworkChange) {
-            if (!control.network.empty()) text += fmt::format(" {}", control.network.view());
-            text += fmt::format(" {} s", control.network_delay_s);
-        }
+        const std::string text = ros2_event(control.kind, header.trial, control.modality, control.network,
+                                            control.network_delay_s);
         Ros2Value value;
         value.text = text;
-        put(kEventTopic, Ros2Type::kString, value);
+        put(ros2::kEvent, value);
     }
 
     LogFile file_;

@@ -1,6 +1,5 @@
 #include "thimble/log/ros2_messages.hpp"
 
-#include <array>
 #include <initializer_list>
 
 namespace thimble {
@@ -51,13 +50,6 @@ void put_joint(const Ros2Value& value, CdrOutput& out) {
 }
 
 }  // namespace
-
-const char* ros2_name(Ros2Type type) {
-    constexpr std::array<const char*, static_cast<std::size_t>(Ros2Type::kCount)> kNames{
-        "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/WrenchStamped",
-        "sensor_msgs/msg/JointState", "std_msgs/msg/String"};
-    return kNames.at(static_cast<std::size_t>(type));
-}
 
 std::string ros2_definition(Ros2Type type) {
     const std::string header = "std_msgs/Header header\n";

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "common/log/mcap_bytes.hpp"
+#include "session/log/ros2_topics.hpp"
 
 namespace thimble {
 
@@ -43,17 +44,6 @@ class CdrOutput {
     McapOutput out_;
 };
 
-enum class Ros2Type : std::uint8_t {
-    kPoseStamped,
-    kTwistStamped,
-    kWrenchStamped,
-    kJointState,
-    kString,
-    kCount
-};
-
-// "geometry_msgs/msg/PoseStamped".
-const char* ros2_name(Ros2Type type);
 // As encoding "ros2msg" has it: the definition, and behind it those that it names.
 std::string ros2_definition(Ros2Type type);
 

@@ -1,0 +1,82 @@
+#include "session/observe/ros2_bus.hpp"
+
+#include <cstdlib>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "netem/formats/text_lines.hpp"
+
+namespace thimble {
+namespace {
+
+// By DDSI-RTPS 2.5, 9.6.2: above it, ports end beyond 65535.
+constexpr std::int64_t kLastDomain = 232;
+
+using Quality = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
+
+Quality quality_of(Ros2Quality quality) {
+    Quality q(dds_create_qos(), dds_delete_qos);
+    const bool latched = quality == Ros2Quality::kLatched;
+    const std::int32_t depth = latched ? 10 : 5;
+    dds_qset_reliability(q.get(), latched ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
+    dds_qset_durability(q.get(), latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+    dds_qset_history(q.get(), DDS_HISTORY_KEEP_LAST, depth);
+    if (latched) {
+        dds_qset_durability_service(q.get(), 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED,
+                                    DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+    }
+    dds_qset_writer_data_lifecycle(q.get(), false);  // as ROS 2
+    return q;
+}
+
+dds_entity_t made(dds_entity_t entity, const std::string& what) {
+    if (entity >= 0) return entity;
+    throw Error(ExitCode::kNetwork, "DDS cannot make {}: {}", what, dds_strretcode(entity));
+}
+
+}  // namespace
+
+unsigned ros2_domain() {
+    const char* text = std::getenv("ROS_DOMAIN_ID");
+    if (text == nullptr || *text == '\0') return 0;
+    const auto domain = parse_integer(text);
+    if (domain && *domain >= 0 && *domain <= kLastDomain) return static_cast<unsigned>(*domain);
+    throw Error(ExitCode::kUsage, "ROS_DOMAIN_ID is '{}': it is a number from 0 to {}", text, kLastDomain);
+}
+
+// Multicast is asked for, because Linux does not claim it for the loopback interface.
+Ros2Bus::Ros2Bus(unsigned domain, const std::string& address)
+    : domain_(
+          made(dds_create_domain(domain, fmt::format("<General><Interfaces><NetworkInterface address=\"{}\" "
+                                                     "multicast=\"true\"/></Interfaces></General>",
+                                                     address)
+                                             .c_str()),
+               fmt::format("a domain at {} (is this an address of this machine?)", address))),
+      participant_(dds_create_participant(domain, nullptr, nullptr)) {
+    if (participant_ >= 0) return;
+    dds_delete(domain_);
+    made(participant_, fmt::format("a participant of domain {} at {}", domain, address));
+}
+
+Ros2Bus::~Ros2Bus() { dds_delete(domain_); }
+
+dds_entity_t Ros2Bus::topic(const std::string& name, const dds_topic_descriptor_t& type) {
+    return made(dds_create_topic(participant_, &type, ("rt" + name).c_str(), nullptr, nullptr),
+                "topic " + name);
+}
+
+dds_entity_t Ros2Bus::writer(const std::string& name, const dds_topic_descriptor_t& type,
+                             Ros2Quality quality) {
+    return made(dds_create_writer(participant_, topic(name, type), quality_of(quality).get(), nullptr),
+                "a writer of " + name);
+}
+
+dds_entity_t Ros2Bus::reader(const std::string& name, const dds_topic_descriptor_t& type,
+                             Ros2Quality quality) {
+    return made(dds_create_reader(participant_, topic(name, type), quality_of(quality).get(), nullptr),
+                "a reader of " + name);
+}
+
+}  // namespace thimble

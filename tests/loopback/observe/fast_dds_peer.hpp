@@ -1,0 +1,95 @@
+// Another program's side of ROS 2's topics: Fast DDS, with the code that its own generator makes of session/observe/ros2.idl.
+#pragma once
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include "ros2PubSubTypes.h"
+
+namespace thimble {
+
+namespace dds = eprosima::fastdds::dds;
+
+using HeardPose = geometry_msgs::msg::dds_::PoseStamped_PubSubType;
+using HeardWrench = geometry_msgs::msg::dds_::WrenchStamped_PubSubType;
+using HeardString = std_msgs::msg::dds_::String_PubSubType;
+using HeardTransforms = tf2_msgs::msg::dds_::TFMessage_PubSubType;
+using HeardClock = rosgraph_msgs::msg::dds_::Clock_PubSubType;
+
+// One that no other test beside this one has.
+inline unsigned own_domain() { return 1 + static_cast<unsigned>(getpid()) % 200; }
+
+class FastDdsPeer {
+  public:
+    FastDdsPeer() {
+        dds::DomainParticipantQos quality;
+        const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+        udp->interfaceWhiteList.emplace_back("127.0.0.1");
+        quality.transport().use_builtin_transports = false;
+        quality.transport().user_transports.push_back(udp);
+        participant_ =
+            dds::DomainParticipantFactory::get_instance()->create_participant(own_domain(), quality);
+        subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+        publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
+    }
+    ~FastDdsPeer() {
+        participant_->delete_contained_entities();
+        dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+    }
+    FastDdsPeer(const FastDdsPeer&) = delete;
+    FastDdsPeer& operator=(const FastDdsPeer&) = delete;
+
+    // As `ros2 topic echo` asks for sensor data, or for what is latched.
+    template <class Type>
+    dds::DataReader* reader(const std::string& topic, bool latched = false) {
+        dds::DataReaderQos quality;
+        quality.history().depth = 100;
+        quality.reliability().kind =
+            latched ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
+        quality.durability().kind =
+            latched ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
+        return subscriber_->create_datareader(topic_of<Type>(topic), quality);
+    }
+    template <class Type>
+    dds::DataWriter* writer(const std::string& topic) {
+        dds::DataWriterQos quality;
+        quality.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
+        return publisher_->create_datawriter(topic_of<Type>(topic), quality);
+    }
+
+  private:
+    template <class Type>
+    dds::Topic* topic_of(const std::string& topic) {
+        const dds::TypeSupport type(new Type());
+        type.register_type(participant_);
+        return participant_->create_topic("rt" + topic, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+    }
+
+    dds::DomainParticipant* participant_ = nullptr;
+    dds::Subscriber* subscriber_ = nullptr;
+    dds::Publisher* publisher_ = nullptr;
+};
+
+// The next message that waits at the reader.
+template <class Type>
+std::optional<typename Type::type> take(dds::DataReader* reader) {
+    typename Type::type message;
+    dds::SampleInfo info;
+    while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
+        if (info.valid_data) return message;
+    }
+    return std::nullopt;
+}
+
+}  // namespace thimble
