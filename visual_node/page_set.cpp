@@ -155,6 +155,22 @@ std::vector<ShownQuestion> PageSet::shown() const {
     return all;
 }
 
+// FNV-1a: it finds an editor's mistake, and nobody forges a page set.
+std::uint32_t PageSet::checksum() const {
+    std::uint32_t sum = 2166136261U;
+    const auto add = [&sum](std::string_view text) {
+        for (const char c : text) sum = (sum ^ static_cast<unsigned char>(c)) * 16777619U;
+        sum = (sum ^ 0xFFU) * 16777619U;  // no byte of UTF-8: texts do not run into each other
+    };
+    for (const ShownQuestion& one : shown()) {
+        const Question& q = one.question;
+        for (const std::string& text : {one.title, q.id, q.text, q.low, q.high}) add(text);
+        for (const std::string& choice : q.choices) add(choice);
+        add(fmt::format("{} {} {} {}", static_cast<int>(q.kind), q.from, q.to, q.step));
+    }
+    return sum;
+}
+
 std::uint32_t PageSet::first_number(std::size_t questionnaire) const {
     std::size_t number = consent ? 2 : 1;
     for (std::size_t i = 0; i < questionnaire; ++i) number += questionnaires[i].questions.size();

@@ -69,6 +69,8 @@ struct PageSet {
     std::vector<ShownQuestion> shown() const;
     // The number there of a questionnaire's first question.
     std::uint32_t first_number(std::size_t questionnaire) const;
+    // Of everything that shown() has: two programs whose page sets differ in one word have another.
+    std::uint32_t checksum() const;
 };
 
 // [instructions] of a session file, with the page set that it names. Throws Error (usage).

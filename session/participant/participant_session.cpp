@@ -73,32 +73,19 @@ ParticipantSessionResult ParticipantSession::run() {
 // After a stop no trial begins until the experimenter releases it. kAskAgain: the stop is released. The experimenter may have
 // marked the last trial, so another one may be next.
 ParticipantSession::Answer ParticipantSession::await_release(const std::optional<Step>& step) {
-    std::string said;
-    for (std::string words = runner_.stop_text(); !words.empty(); words = runner_.stop_text()) {
-        if (words != said) options_.say(words + ", or type 'release'");
-        said = words;
-        if (stopped()) return Answer::kStop;
-        const auto line = take_line();
-        if (line && obey_in_stop(*line) == Answer::kStop) return Answer::kStop;
-        Page paused = page(step);
-        paused.kind = PageKind::kPaused;
-        runner_.show(paused);
-        runner_.idle(kLook);
-    }
-    if (said.empty()) return Answer::kGo;
-    options_.say("released");
-    return Answer::kAskAgain;
+    if (runner_.stop_text().empty()) return Answer::kGo;
+    const bool stops = thimble::await_release(asker(step), page(step)) == Asked::kStopped;
+    return stops ? Answer::kStop : Answer::kAskAgain;
 }
 
-ParticipantSession::Answer ParticipantSession::obey_in_stop(const std::string& line) {
-    if (line == "release") {
-        runner_.release_stop();
-    } else if (line.empty()) {
-        options_.say("nothing begins before the stop is released");
-    } else {
-        return obey(line);
-    }
-    return Answer::kAskAgain;
+// `step` outlives it.
+Asker ParticipantSession::asker(const std::optional<Step>& step) {
+    return {runner_,
+            commands(),
+            options_.stop,
+            options_.say,
+            [this](const std::string& line) { return after_order(obey(line)); },
+            [this, &step] { return after_order(await_release(step)); }};
 }
 
 bool ParticipantSession::questions_are_due(const std::optional<Step>& step) const {
@@ -108,18 +95,13 @@ bool ParticipantSession::questions_are_due(const std::optional<Step>& step) cons
 }
 
 ParticipantSession::Answer ParticipantSession::ask_questions(const std::optional<Step>& step) {
-    const Asker asker{runner_,
-                      commands(),
-                      options_.stop,
-                      options_.say,
-                      [this](const std::string& line) { return after_order(obey(line)); },
-                      [this, &step] { return after_order(await_release(step)); }};
+    const Asker asking = asker(step);
     while (questions_are_due(step)) {
         std::uint32_t block = 0;
         const PageSet& pages = *options_.pages;
         const std::size_t form = *due_questionnaire(options_.dataset, pages, agenda_, step, block);
         std::vector<std::optional<double>> answers;
-        const Asked asked = ask_questionnaire(asker, pages, form, answers);
+        const Asked asked = ask_questionnaire(asking, pages, form, answers);
         if (asked != Asked::kGoOn) return asked == Asked::kPutOff ? Answer::kAskAgain : Answer::kStop;
         const std::string time =
             options_.realtime_ns ? utc_text(options_.realtime_ns()) : std::string(kNotAvailable);

@@ -83,8 +83,8 @@ class ParticipantSession {
   private:
     enum class Answer { kGo, kAskAgain, kStop };
 
+    Asker asker(const std::optional<Step>& step);
     Answer await_release(const std::optional<Step>& step);
-    Answer obey_in_stop(const std::string& line);
     Answer before(const std::optional<Step>& step);
     Answer ask_questions(const std::optional<Step>& step);
     Asked after_order(Answer answer) const;

@@ -22,6 +22,18 @@ Asked obey(const Asker& asker, const std::string& line) {
     return Asked::kGoOn;
 }
 
+// The experimenter has typed this while a stop holds. kStopped: the session ends.
+Asked obey_in_stop(const Asker& asker, const std::string& line) {
+    if (line == "release") {
+        asker.runner.release_stop();
+    } else if (line.empty() || line == "s") {
+        asker.say("nothing begins before the stop is released");
+    } else {
+        return obey(asker, line);
+    }
+    return Asked::kGoOn;
+}
+
 // A block's end: its last trial is over, and no repeat of it is left. A trial that is rejected meanwhile puts the questions off.
 bool ends_block(const Agenda& agenda, const std::optional<Step>& step) {
     if (agenda.records.empty() || agenda.records.back().block == 0) return false;
@@ -30,8 +42,10 @@ bool ends_block(const Agenda& agenda, const std::optional<Step>& step) {
 
 }  // namespace
 
-Asked ask_question(const Asker& asker, std::uint32_t number, const Question& question, double& value) {
+Asked ask_question(const Asker& asker, const PageSet& pages, std::uint32_t number, double& value) {
+    const Question question = pages.shown().at(number - 1).question;
     Page page;
+    page.trials = pages.checksum();
     page.kind = PageKind::kQuestion;
     page.trial = number;
     for (;;) {
@@ -55,16 +69,32 @@ Asked ask_question(const Asker& asker, std::uint32_t number, const Question& que
     }
 }
 
+Asked await_release(const Asker& asker, Page paused) {
+    paused.kind = PageKind::kPaused;
+    std::string said;
+    for (std::string text = asker.runner.stop_text(); !text.empty(); text = asker.runner.stop_text()) {
+        if (text != said) asker.say(text + ", or type 'release'");
+        said = text;
+        if (asker.stop != nullptr && *asker.stop) return Asked::kStopped;
+        const auto line = asker.lines == nullptr ? std::nullopt : asker.lines->take_line();
+        if (line && obey_in_stop(asker, *line) == Asked::kStopped) return Asked::kStopped;
+        asker.runner.show(paused);
+        asker.runner.idle(kAnswerLook);
+    }
+    if (!said.empty()) asker.say("released");
+    return Asked::kGoOn;
+}
+
 Asked ask_questionnaire(const Asker& asker, const PageSet& pages, std::size_t questionnaire,
                         std::vector<std::optional<double>>& answers) {
     const Questionnaire& form = pages.questionnaires[questionnaire];
     asker.say(fmt::format("questionnaire {}, {} questions: {}", form.name, form.questions.size(), kHelp));
     answers.clear();
     answers.reserve(form.questions.size());
-    std::uint32_t number = pages.first_number(questionnaire);
-    for (const Question& question : form.questions) {
+    const std::uint32_t first = pages.first_number(questionnaire);
+    for (std::uint32_t i = 0; i < form.questions.size(); ++i) {
         double value = 0;
-        const Asked asked = ask_question(asker, number++, question, value);
+        const Asked asked = ask_question(asker, pages, first + i, value);
         if (asked == Asked::kPutOff)
             asker.say(fmt::format("questionnaire {} comes after the repeat, from its beginning", form.name));
         if (asked == Asked::kStopped || asked == Asked::kPutOff) return asked;
@@ -73,14 +103,11 @@ Asked ask_questionnaire(const Asker& asker, const PageSet& pages, std::size_t qu
     return Asked::kGoOn;
 }
 
-Consent ask_consent(const Asker& asker, const ConsentPage& page) {
-    asker.say(fmt::format("consent, version {}: {}", page.version, kConsentHelp));
-    Question question;
-    question.from = 1;
-    question.to = 2;
+Consent ask_consent(const Asker& asker, const PageSet& pages) {
+    asker.say(fmt::format("consent, version {}: {}", pages.consent->version, kConsentHelp));
     double answer = 0;
     for (;;) {
-        const Asked asked = ask_question(asker, 1, question, answer);
+        const Asked asked = ask_question(asker, pages, 1, answer);
         if (asked == Asked::kStopped) return Consent::kStopped;
         if (asked == Asked::kLeftOut) continue;  // an experimenter cannot consent for a participant
         return answer == ConsentPage::kAgreed ? Consent::kGiven : Consent::kDeclined;

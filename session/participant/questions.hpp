@@ -33,7 +33,10 @@ struct Asker {
 };
 
 // `number` as in PageSet::shown(). `value` gets the answer.
-Asked ask_question(const Asker& asker, std::uint32_t number, const Question& question, double& value);
+Asked ask_question(const Asker& asker, const PageSet& pages, std::uint32_t number, double& value);
+
+// Says an emergency stop at once, shows `paused`, and waits until the stop is released. kGoOn: none holds any more.
+Asked await_release(const Asker& asker, Page paused);
 
 // kStopped, kPutOff: no answer is to be kept, and the questionnaire comes again. kGoOn: `answers` gets one per question, none where
 // it was left out.
@@ -41,7 +44,8 @@ Asked ask_questionnaire(const Asker& asker, const PageSet& pages, std::size_t qu
                         std::vector<std::optional<double>>& answers);
 
 enum class Consent { kGiven, kDeclined, kStopped };
-Consent ask_consent(const Asker& asker, const ConsentPage& page);
+// The pages have a consent page.
+Consent ask_consent(const Asker& asker, const PageSet& pages);
 
 // Which questionnaire is to be answered before this step; nothing for `step`: after the last trial. `block` gets the block that it is
 // about.

@@ -64,17 +64,26 @@ void check_virtual_subject(const SystemSettings& settings, const ParticipantRun&
         "out, or say [session] subject = \"human\"");
 }
 
-// Nodes that run already have the delay of their own file, which is to be this one.
+// Nodes that run already have the delay of their own file, which is to be this one. A blinded experimenter learns no delay.
 void check_delay(const SystemSettings& settings, const std::vector<OrderEntry>& order, bool attach) {
     const double delay_s = order.front().conditions.delay_s;
+    const bool blinded = settings.protocol->blinded;
     for (const OrderEntry& entry : order) {
         if (entry.conditions.delay_s == delay_s) continue;
+        if (blinded)
+            throw Error(ExitCode::kData, "the order has two delays, but a participant session has one");
         throw Error(ExitCode::kData,
                     "the order has two delays, {} s and {} s, but a participant session has one", delay_s,
                     entry.conditions.delay_s);
     }
     const double theirs_s = to_seconds(settings.netem.force.delay);
     if (!attach || theirs_s == delay_s) return;
+    if (blinded)
+        throw Error(
+            ExitCode::kUsage,
+            "[netem.force] delay_s is not the delay of the order, which a blinded session does not name: "
+            "let somebody who may know it compare the order's delay_s with that of this file and of "
+            "the running thimble-netem");
     throw Error(ExitCode::kUsage,
                 "experiment {} delays the force by {} s, but [netem.force] delay_s is {}: set it, in this "
                 "file and in that of the running thimble-netem, and start that anew",
@@ -146,7 +155,7 @@ bool experimenter_answers(const SystemSettings& settings, const ParticipantRun& 
 
 // On the screen, where the page set has a consent page that this participant has not agreed to in this version.
 Consent consent_of(const SystemSettings& settings, const ParticipantRun& run, const Dataset& dataset,
-                   std::uint32_t participant, RealTrials& trials, LineSource* answers) {
+                   std::uint32_t participant, std::size_t planned, RealTrials& trials, LineSource* answers) {
     const auto& page = settings.pages.consent;
     if (!page || settings.plan.kind != SubjectKind::kHuman) return Consent::kGiven;
     if (has_consented(dataset, *page, participant)) return Consent::kGiven;
@@ -155,7 +164,12 @@ Consent consent_of(const SystemSettings& settings, const ParticipantRun& run, co
         trials.say(line);
     };
     LineSource* const lines = answers == nullptr && run.view ? run.view->lines : answers;
-    return ask_consent({trials, lines, run.stop, say}, *page);
+    Asker asker{trials, lines, run.stop, say};
+    Page paused;
+    paused.trial = 1;
+    paused.trials = static_cast<std::uint32_t>(planned);
+    asker.hold = [&asker, &paused] { return await_release(asker, paused); };
+    return ask_consent(asker, settings.pages);
 }
 
 // Without consent nothing of the person is kept, but for what the person consented to before.
@@ -226,7 +240,7 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
     DescriptorLines typed(STDIN_FILENO);
     TwoLineSources both(typed, run.view ? *run.view->lines : typed);
     LineSource* const answers = experimenter_answers(settings, run) ? &both : nullptr;
-    const Consent consent = consent_of(settings, run, dataset, participant, trials, answers);
+    const Consent consent = consent_of(settings, run, dataset, participant, order.size(), trials, answers);
     if (consent != Consent::kGiven) return end_without_consent(dataset, participant, begun, consent, trials);
     // The order first: an analysis asks for the order of every participant that is in the table.
     if (!written) write_order(dataset.order(participant), order);

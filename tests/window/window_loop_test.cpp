@@ -172,6 +172,7 @@ struct Asking {
         Page page;
         page.kind = PageKind::kQuestion;
         page.trial = 1;
+        page.trials = pages.checksum();
         display.turn_page({}, page);
     }
     PageSet pages;
@@ -186,7 +187,8 @@ TEST_F(WindowLoopTest, AQuestionOfAnotherPageSetIsNotAnswered) {
     Asking asking("kind = 'likert'\n");
     Page page;
     page.kind = PageKind::kQuestion;
-    page.trial = 2;
+    page.trial = 1;  // the same number, and other words
+    page.trials = asking.pages.checksum() + 1;
     asking.display.turn_page({}, page);
     WindowLoop& loop = *asking.loop;
     loop.turn();

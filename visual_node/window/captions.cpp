@@ -180,10 +180,11 @@ PageText page_text(const Page& page, const Instructions& instructions, bool subj
 }
 
 PageText unknown_question(const Page& page) {
-    return {"Please call the experimenter",
-            fmt::format("This window has no question {}: start it with the session's page set "
-                        "([instructions] pages).",
-                        page.trial)};
+    return {
+        "Please call the experimenter",
+        fmt::format("Question {} is of another page set than this window's: start the window again with the "
+                    "session's page set ([instructions] pages).",
+                    page.trial)};
 }
 
 void draw_over_tissue(const Picture& picture) {

@@ -23,7 +23,7 @@ struct PageText {
 PageText page_text(const Page& page);
 // With a lab's own words where it has some. `subject_goes_on`: a text that is not its own says how, where the page waits for that.
 PageText page_text(const Page& page, const Instructions& instructions, bool subject_goes_on);
-// In place of a question that the window's own page set does not have.
+// In place of a question of another page set than the window's own.
 PageText unknown_question(const Page& page);
 
 // Needle, bar with its scale, and fingertip, over the tissue that Painter has painted.

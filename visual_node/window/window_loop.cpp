@@ -22,9 +22,6 @@ namespace {
 
 // A hand is read at least so often, also from devices that send no events.
 constexpr Duration kHandPeriod = std::chrono::milliseconds{2};
-constexpr Duration kLongestWait = std::chrono::milliseconds{10};
-
-std::string text_of(const char* text) { return text == nullptr || *text == '\0' ? "gamepad" : text; }
 
 }  // namespace
 
@@ -38,9 +35,10 @@ WindowLoop::WindowLoop(const Parts& parts, Duration smoothing, bool one_clock)
       gui_(*parts.window, parts.pages == nullptr ? std::string() : parts.pages->text()),
       playout_(smoothing),
       times_(one_clock),
-      pace_(parts.window->refresh_Hz()) {
+      pace_(parts.window->refresh_Hz()),
+      page_(parts.pages, parts.display),
+      controls_(parts.hand, parts.vibration) {
     beeps_.reserve(64);
-    if (parts.pages != nullptr) questions_ = parts.pages->shown();
 }
 
 WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
@@ -80,10 +78,7 @@ void WindowLoop::take_events(SessionTime now, std::span<const WindowEvent> event
     for (const WindowEvent& event : events) {
         if (!gui_.wants(event)) handle(event);
     }
-    if (parts_.hand != nullptr) {
-        read_gamepad(now);
-        push_by_arrows(now);
-    }
+    if (!parts_.window->lost() && controls_.read(now)) ask_to_go_on();
     take_mail(now);
     if (parts_.overlay != nullptr) parts_.overlay->tick(now);
 }
@@ -108,95 +103,36 @@ void WindowLoop::take_mail(SessionTime now) {
 
 // A subject who answers needs the pointer, and holds no needle.
 void WindowLoop::turn_to(const Page& page) {
-    const bool question = page.kind == PageKind::kQuestion;
-    const bool asks = question && page.trial >= 1 && page.trial <= questions_.size();
-    if (question && !asks && !(page == page_)) spdlog::warn(unknown_question(page).body);
-    page_ = page;
-    form_.show(page.trial, asks ? &questions_[page.trial - 1].question : nullptr);
-    if (!asks) return;
+    if (!page_.turn_to(page)) return;
     parts_.window->grab_pointer(false);
     if (parts_.hand != nullptr) parts_.hand->let_go();
 }
 
 void WindowLoop::handle(const WindowEvent& event) {
-    if (event.kind == WindowEvent::Kind::kKey && event.pressed && answer_key(event.key)) return;
+    if (event.kind == WindowEvent::Kind::kKey && event.pressed && page_.take_key(event.key)) return;
     if (event.kind == WindowEvent::Kind::kKey && event.pressed && !event.repeated) handle_key(event);
-    if (event.kind == WindowEvent::Kind::kKey && parts_.keyboard) hold_arrow(event);
+    if (event.kind == WindowEvent::Kind::kKey && parts_.keyboard) controls_.hold_arrow(event);
     if (event.kind == WindowEvent::Kind::kButton && event.pressed) return handle_button();
     if (parts_.hand == nullptr) return;
     if (event.kind == WindowEvent::Kind::kMotion && parts_.window->pointer_grabbed()) {
         parts_.hand->move(event.y);
     } else if (event.kind == WindowEvent::Kind::kFocus && !event.pressed) {
-        arrow_ = 0;
+        controls_.release_arrow();
         parts_.window->grab_pointer(false);
         parts_.hand->let_go();
     }
 }
 
 void WindowLoop::handle_button() {
-    if (form_.question() != nullptr) return;  // beside the answers
+    if (page_.asks()) return;  // beside the answers
     ask_to_go_on();
     if (parts_.hand == nullptr || parts_.keyboard) return;
     parts_.window->grab_pointer(true);
     parts_.hand->take_hold();
 }
 
-// Whether the key was meant for the question that is shown.
-bool WindowLoop::answer_key(int key) {
-    if (form_.question() == nullptr) return false;
-    const bool list = form_.question()->kind == QuestionKind::kChoice;  // it goes downwards
-    const bool number = form_.question()->kind == QuestionKind::kNumber;
-    if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) return form_.type(key - GLFW_KEY_0), true;
-    if (key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) return form_.type(key - GLFW_KEY_KP_0), true;
-    switch (key) {
-        case GLFW_KEY_LEFT:
-        case GLFW_KEY_RIGHT:
-            return form_.move(key == GLFW_KEY_RIGHT ? 1 : -1), true;
-        case GLFW_KEY_UP:
-        case GLFW_KEY_DOWN:
-            return form_.move((key == GLFW_KEY_DOWN) == list ? 1 : -1), true;
-        case GLFW_KEY_PAGE_UP:
-        case GLFW_KEY_PAGE_DOWN:
-            return form_.turn_pages(key == GLFW_KEY_PAGE_DOWN ? 1 : -1), true;
-        case GLFW_KEY_BACKSPACE:  // a digit too many stops no session; no trial runs, and no force acts
-            return number && (form_.clear(), true);
-        case GLFW_KEY_DELETE:
-            return form_.clear(), true;
-        case GLFW_KEY_ENTER:
-        case GLFW_KEY_KP_ENTER:
-            return give_answer(), true;
-        default:
-            return false;
-    }
-}
-
-void WindowLoop::give_answer() {
-    const auto given = form_.given();
-    if (given && parts_.display != nullptr) parts_.display->answer(*given);
-}
-
-// The first press takes the needle; it stays in the hand until Esc.
-void WindowLoop::hold_arrow(const WindowEvent& event) {
-    if (parts_.hand == nullptr || event.repeated) return;
-    const int way = event.key == GLFW_KEY_DOWN ? 1 : event.key == GLFW_KEY_UP ? -1 : 0;
-    if (way == 0 || (!event.pressed && way != arrow_)) return;
-    arrow_ = event.pressed ? way : 0;
-    arrow_since_ = arrow_read_ = event.time;
-    if (event.pressed) parts_.hand->take_hold();
-}
-
-// A tap moves it a little, a key that is held faster and faster.
-void WindowLoop::push_by_arrows(SessionTime now) {
-    if (arrow_ == 0) return;
-    constexpr double kFirst = 0.2, kMore_per_s = 1.6;
-    const double share = kFirst + kMore_per_s * to_seconds(now - arrow_since_);
-    parts_.hand->push(arrow_ * std::min(share, 1.0),
-                      std::clamp(now - arrow_read_, Duration{0}, kLongestWait));
-    arrow_read_ = now;
-}
-
 void WindowLoop::ask_to_go_on() {
-    if (parts_.subject_goes_on && parts_.display != nullptr && waits_to_go_on(page_.kind)) {
+    if (parts_.subject_goes_on && parts_.display != nullptr && waits_to_go_on(page_.page().kind)) {
         parts_.display->ask_to_go_on();
     }
 }
@@ -250,32 +186,6 @@ std::string WindowLoop::keys() const {
     return text;
 }
 
-void WindowLoop::read_gamepad(SessionTime now) {
-    if (parts_.window->lost()) return;
-    const Duration since =
-        stick_read_ == SessionTime{} ? Duration::zero() : std::min(now - stick_read_, kLongestWait);
-    stick_read_ = now;
-    GLFWgamepadstate state{};
-    const bool there = glfwJoystickIsGamepad(GLFW_JOYSTICK_1) == GLFW_TRUE &&
-                       glfwGetGamepadState(GLFW_JOYSTICK_1, &state) == GLFW_TRUE;
-    if (parts_.vibration != nullptr && there == joystick_.name.empty()) {
-        joystick_ = there ? identity_of(text_of(glfwGetJoystickName(GLFW_JOYSTICK_1)),
-                                        text_of(glfwGetJoystickGUID(GLFW_JOYSTICK_1)))
-                          : JoystickIdentity{};
-        parts_.vibration->plugged(joystick_);
-    }
-    const bool held = there && state.buttons[GLFW_GAMEPAD_BUTTON_A] == GLFW_PRESS;
-    if (held != stick_held_) held ? parts_.hand->take_hold() : parts_.hand->let_go();
-    if (held && !stick_held_) ask_to_go_on();
-    stick_held_ = held;
-    if (held) parts_.hand->push(static_cast<double>(state.axes[GLFW_GAMEPAD_AXIS_LEFT_Y]), since);
-}
-
-void WindowLoop::vibrate(SessionTime now, const std::optional<Scene>& scene) {
-    if (parts_.vibration == nullptr) return;
-    parts_.vibration->feel(now, scene ? scene->fingertip_N : 0, scene ? scene->thumb_N : 0);
-}
-
 int WindowLoop::scene_width() const {
     const double taken = parts_.overlay == nullptr ? 0 : parts_.overlay->right_margin(*parts_.window);
     return parts_.window->width() - static_cast<int>(std::lround(taken));
@@ -314,7 +224,7 @@ bool WindowLoop::draw(SessionTime now) {
 std::optional<Scene> WindowLoop::scene_at(SessionTime now) {
     auto scene = playout_.at(now);
     stale_ = scene && scene->stale;
-    vibrate(now, scene);
+    controls_.vibrate(now, scene);
     if (scene && scene->cut_away && parts_.hand != nullptr) {
         const HandInput hand = parts_.hand->hand();
         if (hand.engaged) scene->cut_away->position_hand_m = kPositionScale * hand.position_hand_m;
@@ -326,19 +236,8 @@ std::optional<Scene> WindowLoop::scene_at(SessionTime now) {
 void WindowLoop::draw_notices() const {
     std::string text = stale_ ? "no news from the needle: the picture stands still" : notice_;
     if (!painter_.cutaway()) return draw_notice(text, scene_width());
-    if (text.empty() && page_.kind != PageKind::kNone) text = words_of_page().title;
+    if (text.empty() && page_.shown()) text = page_text().title;
     if (!text.empty()) draw_headline(text, *painter_.cutaway());
-}
-
-// A view with a panel says there what to do.
-PageText WindowLoop::words_of_page() const {
-    static const Instructions kUnchanged;
-    const Instructions& words = parts_.pages == nullptr ? kUnchanged : parts_.pages->instructions;
-    // The session reads its page set, and this window its own: they may differ.
-    if (page_.kind == PageKind::kQuestion && form_.question() == nullptr) return unknown_question(page_);
-    PageText text = page_text(page_, words, parts_.subject_goes_on);
-    if (parts_.overlay != nullptr && !words.of(page_.kind).body) text.body.clear();
-    return text;
 }
 
 void WindowLoop::draw_overlay(SessionTime now) {
@@ -349,7 +248,7 @@ void WindowLoop::draw_overlay(SessionTime now) {
 
 void WindowLoop::draw_captions(SessionTime now, const std::optional<Scene>& scene) {
     if (scene) painter_.draw_over(*scene);
-    if (page_.kind != PageKind::kNone) draw_between_trials();
+    if (page_.shown()) draw_between_trials();
     if (now < beep_seen_until_) draw_beep(scene_width());
     if (parts_.overlay != nullptr) draw_overlay(now);
     if (times_shown_ && parts_.display != nullptr) draw_times(times_);
@@ -361,13 +260,13 @@ void WindowLoop::draw_captions(SessionTime now, const std::optional<Scene>& scen
 void WindowLoop::draw_between_trials() {
     constexpr double kShade = 0.6;
     const double opacity = painter_.cutaway() ? kShade : 1;
-    const PageText text = words_of_page();
-    if (form_.question() == nullptr) {
+    const PageText text = page_text();
+    if (!page_.asks()) {
         if (painter_.cutaway() && text.body.empty()) return draw_shade(scene_width(), kShade);
         return draw_page(gui_, text, scene_width(), opacity);
     }
     draw_page(gui_, {}, scene_width(), opacity);
-    if (draw_question(gui_, questions_[page_.trial - 1], form_, text.body, scene_width())) give_answer();
+    page_.draw_question(gui_, text.body, scene_width());
 }
 
 Image WindowLoop::picture() {

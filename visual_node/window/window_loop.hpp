@@ -6,16 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "visual_node/gamepad/vibration.hpp"
-#include "visual_node/page_set.hpp"
-#include "visual_node/question_form.hpp"
 #include "visual_node/visual_settings.hpp"
 #include "visual_node/window/beeper.hpp"
-#include "visual_node/window/captions.hpp"
 #include "visual_node/window/frame_times.hpp"
+#include "visual_node/window/hand_controls.hpp"
 #include "visual_node/window/overlay.hpp"
+#include "visual_node/window/page_view.hpp"
 #include "visual_node/window/playout.hpp"
-#include "visual_node/window/pointer_hand.hpp"
 #include "visual_node/window/scene_painter.hpp"
 #include "visual_node/window/window_display.hpp"
 
@@ -71,13 +68,7 @@ class WindowLoop {
     void handle_key(const WindowEvent& event);
     void handle_button();
     void turn_to(const Page& page);
-    bool answer_key(int key);
-    void give_answer();
-    void hold_arrow(const WindowEvent& event);
-    void push_by_arrows(SessionTime now);
     void ask_to_go_on();
-    void read_gamepad(SessionTime now);
-    void vibrate(SessionTime now, const std::optional<Scene>& scene);
     void wait_until(SessionTime begin, const std::function<bool()>& stop);
     void take_events(SessionTime now, std::span<const WindowEvent> events);
     int scene_width() const;
@@ -87,7 +78,7 @@ class WindowLoop {
     void draw_notices() const;
     void draw_overlay(SessionTime now);
     void draw_between_trials();
-    PageText words_of_page() const;
+    PageText page_text() const { return page_.text(parts_.subject_goes_on, parts_.overlay != nullptr); }
     std::string keys() const;
     void save_screenshot(const Image& image) const;
 
@@ -97,21 +88,17 @@ class WindowLoop {
     Playout playout_;
     FrameTimes times_;
     FramePace pace_;
-    Page page_;
-    std::vector<ShownQuestion> questions_;
-    QuestionForm form_;
+    PageView page_;
+    HandControls controls_;
     std::string notice_;
     std::filesystem::path screenshot_;
     std::vector<BeepTimes> beeps_;
     std::uint64_t frames_ = 0;
-    SessionTime begun_{}, swapped_{}, stick_read_{};
-    SessionTime beep_seen_until_{}, arrow_since_{}, arrow_read_{};
-    int arrow_ = 0;  // the arrow key that is held: 1 into the tissue, -1 out
+    SessionTime begun_{}, swapped_{}, beep_seen_until_{};
     WindowEnd end_ = WindowEnd::kNone;
-    Image* wanted_ = nullptr;    // where the next frame is to be copied
-    JoystickIdentity joystick_;  // GLFW's first gamepad; no name: there is none
-    bool stale_ = false;         // the picture is
-    bool help_ = false, times_shown_ = false, stick_held_ = false, shot_asked_ = false;
+    Image* wanted_ = nullptr;  // where the next frame is to be copied
+    bool stale_ = false;       // the picture is
+    bool help_ = false, times_shown_ = false, shot_asked_ = false;
 };
 
 }  // namespace thimble

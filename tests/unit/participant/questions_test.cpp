@@ -50,6 +50,8 @@ class AnsweredTrials final : public TrialRunner {
         if (page.kind == PageKind::kQuestion && page.trial != asked)
             events.push_back(fmt::format("question {}", page.trial));
         asked = page.kind == PageKind::kQuestion ? page.trial : 0;
+        shown = page;
+        if (stop_at != 0 && asked == stop_at) stopped = true;
     }
     bool take_go_on() override { return false; }
     std::optional<double> take_answer() override {
@@ -61,13 +63,15 @@ class AnsweredTrials final : public TrialRunner {
     void idle(Duration limit) override { clock += limit; }
     SessionTime now() const override { return clock; }
     std::string problem() const override { return {}; }
-    std::string stop_text() const override { return asked == stop_at ? stopped_by : std::string(); }
+    std::string stop_text() const override { return stopped ? stopped_by : std::string(); }
     void release_stop() override { stopped_by.clear(); }
 
     std::deque<double> answers;
     std::vector<std::string> events;
     std::uint32_t asked = 0, stop_at = 0;  // the question that a stop comes with
     std::string stopped_by;
+    bool stopped = false;
+    Page shown;
     SessionTime clock{};
 };
 
@@ -175,11 +179,11 @@ TEST_F(Questions, HearAViewTheInputsEndAndAnEmergencyStop) {
 TEST_F(Questions, ConsentHasAVersionAndATime) {
     const std::function<void(const std::string&)> say = [](const std::string&) {};
     trials_.answers = {3, 2};
-    EXPECT_EQ(ask_consent({trials_, nullptr, nullptr, say}, *pages_.consent), Consent::kDeclined);
+    EXPECT_EQ(ask_consent({trials_, nullptr, nullptr, say}, pages_), Consent::kDeclined);
     trials_.answers = {1};
-    EXPECT_EQ(ask_consent({trials_, nullptr, nullptr, say}, *pages_.consent), Consent::kGiven);
+    EXPECT_EQ(ask_consent({trials_, nullptr, nullptr, say}, pages_), Consent::kGiven);
     WrittenLines lines({"s", "q"});
-    EXPECT_EQ(ask_consent({trials_, &lines, nullptr, say}, *pages_.consent), Consent::kStopped);
+    EXPECT_EQ(ask_consent({trials_, &lines, nullptr, say}, pages_), Consent::kStopped);
     EXPECT_FALSE(has_consented(dataset_, *pages_.consent, 2));
     write_consent(dataset_, *pages_.consent, 2, utc_text(1'764'109'807'000'000'000));
     EXPECT_TRUE(has_consented(dataset_, *pages_.consent, 2));
@@ -188,6 +192,45 @@ TEST_F(Questions, ConsentHasAVersionAndATime) {
               "participant_id\ttime_utc\tconsent\tversion\nsub-02\t2025-11-25T22:30:07Z\tyes\tv2\n");
     pages_.consent->version = "v3";
     EXPECT_FALSE(has_consented(dataset_, *pages_.consent, 2)) << "another text";
+}
+
+TEST_F(Questions, AnEmergencyStopInTheConsentPageIsSaidAtOnce) {
+    const std::function<void(const std::string&)> say = [this](const std::string& line) {
+        said_.push_back(line);
+    };
+    trials_.stopped_by = "emergency stop (visual): a key";
+    trials_.stop_at = 1;
+    WrittenLines lines({"", "release", "q"});
+    Asker asker{trials_, &lines, nullptr, say};
+    PageKind seen = PageKind::kNone;
+    asker.hold = [&] {
+        const Asked held = await_release(asker, {});
+        seen = trials_.shown.kind;
+        return held;
+    };
+    EXPECT_EQ(ask_consent(asker, pages_), Consent::kStopped);
+    EXPECT_THAT(said_, ElementsAre(HasSubstr("consent, version v2"),
+                                   "emergency stop (visual): a key, or type 'release'",
+                                   "nothing begins before the stop is released", "released"));
+    EXPECT_EQ(seen, PageKind::kQuestion) << "it comes back";
+}
+
+TEST_F(Questions, CarryTheChecksumOfTheirPageSet) {
+    const std::uint32_t ours = pages_.checksum();
+    trials_.answers = {1};
+    const std::function<void(const std::string&)> say = [](const std::string&) {};
+    ask_consent({trials_, nullptr, nullptr, say}, pages_);
+    EXPECT_EQ(trials_.shown.trials, ours);
+    const auto differs = [&](const std::function<void(PageSet&)>& change) {
+        PageSet other = pages_;
+        change(other);
+        return other.checksum() != ours;
+    };
+    EXPECT_TRUE(differs([](PageSet& p) { p.consent->text = "You take part!"; }));
+    EXPECT_TRUE(differs([](PageSet& p) { p.questionnaires[1].questions[0].text = "How heavy?"; }));
+    EXPECT_TRUE(differs([](PageSet& p) { p.questionnaires[1].questions[0].step = 1; }));
+    EXPECT_TRUE(differs([](PageSet& p) { std::swap(p.consent->agree, p.consent->decline); }));
+    EXPECT_FALSE(differs([](PageSet&) {}));
 }
 
 TEST_F(Questions, ChangedQuestionsAreNoticedBeforeAnythingIsWritten) {
