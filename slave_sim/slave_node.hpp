@@ -49,6 +49,13 @@ class SlaveNode {
     bool waves() const { return in_trial_ && waves_; }
     const WaveBurst& wave_burst() const { return wave_ ? wave_->burst() : two_port_burst_; }
 
+    // Between two commands: the needle stands, tissue waits for the next command, and forces are what they were.
+    ForceFeedback still(SessionTime sample_time) const {
+        ForceFeedback feedback = answer();
+        feedback.echo_time = sample_time;
+        return feedback;
+    }
+
     // Commands stopped: the needle is held where it is, every force is zero and contact is lost.
     ForceFeedback hold();
 

@@ -18,8 +18,8 @@ SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings
       to_record_(Role::kSlaveSim, instance, {ports.outlet(Port::kSessionRecord)}),
       to_eyes_(Role::kSlaveSim, instance, {ports.outlet(Port::kVisualScene)}),
       fill_(settings.codec, settings.wave.sample_period),
-      gate_master_(settings.codec, true),
-      gate_others_(settings.codec, false),
+      gate_master_(settings.codec, settings.wave.sample_period, true),
+      gate_others_(settings.codec, settings.wave.sample_period, false),
       stale_after_(settings.stale_after),
       node_(settings) {
     join_stop_bus(ports);
@@ -58,8 +58,12 @@ void SlaveProcess::work(SessionTime now) {
                                           });
     }
     if (running() && now >= fill_.next()) {
-        if (const NeedleFill::Sample* sample = fill_.take(now))
+        const NeedleFill::Sample* const sample = fill_.take(now);
+        if (sample != nullptr && sample->moves) {
             answer(now, sample->stamp, sample->sequence, sample->message);
+        } else if (sample != nullptr) {
+            send(now, node_.still(sample->stamp));
+        }
     }
     if (running() && now >= next_hold_) {
         stale_record_.watch(now, trial(), true);

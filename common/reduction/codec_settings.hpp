@@ -27,8 +27,8 @@ constexpr bool is_deadband(HapticCodec codec) {
 struct CodecSettings {
     HapticCodec command = HapticCodec::kNone, force = HapticCodec::kNone;
     double weber_fraction = 0.1;
-    double velocity_floor_m_per_s = 0.01;  // of the needle: the deadband is never narrower than k times this
-    double force_floor_N = 0.2;
+    double velocity_floor_m_per_s = 0.04;  // of the needle: the deadband is never narrower than k times this
+    double force_floor_N = 0.5;
     double delta_position_m = 1e-4;  // of the needle; also what a deadband lets its place be wrong by
     double delta_force_N = 0.05;
     unsigned every = 10;

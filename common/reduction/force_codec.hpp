@@ -45,16 +45,15 @@ class ForceLine {
 // slave_sim's end of one flow.
 class ForceGate {
   public:
-    // predicts: the receiver draws the line.
-    ForceGate(const CodecSettings& settings, bool predicts) : settings_(settings), predicts_(predicts) {}
+    // predicts: the receiver draws the line. period: of the master's samples.
+    ForceGate(const CodecSettings& settings, Duration period, bool predicts)
+        : settings_(settings), predicts_(predicts), period_(period) {}
 
     void reset() { line_.reset(); }
     // Whether this answer is sent. Once per answer, in order.
     bool due(SessionTime now, const ForceFeedback& feedback) {
         if (settings_.force == HapticCodec::kNone) return true;
-        ++skipped_;
         if (!line_.empty() && !changed(now, feedback)) return false;
-        skipped_ = 0;
         sent_at_ = now;
         line_.add(feedback);
         return true;
@@ -67,7 +66,8 @@ class ForceGate {
         if (feedback.phase != sent.phase || feedback.fixture_present != sent.fixture_present ||
             feedback.needle_held != sent.needle_held)
             return true;
-        if (settings_.force == HapticCodec::kEveryNth) return skipped_ >= settings_.every;
+        if (settings_.force == HapticCodec::kEveryNth)
+            return feedback.echo_time - sent.echo_time >= settings_.every * period_;
         return !(std::abs(feedback.force_total_N - there_N(feedback)) <= width_N());
     }
     double there_N(const ForceFeedback& feedback) const {
@@ -83,7 +83,7 @@ class ForceGate {
 
     CodecSettings settings_;
     bool predicts_;
-    unsigned skipped_ = 0;
+    Duration period_;
     SessionTime sent_at_{};
     ForceLine line_;
 };

@@ -20,11 +20,16 @@
 
 namespace thimble {
 
+// Whether the needle stands still after `sent`.
+inline bool stands(const NeedleCommand& sent, HapticCodec codec) {
+    const bool pushed_out = sent.force_hand_N > 0 && sent.velocity_needle_m_per_s > 0;
+    return codec != HapticCodec::kDeadbandLinear || pushed_out;
+}
+
 // The command so long after `sent`.
 inline NeedleCommand reconstructed(const NeedleCommand& sent, Duration since, HapticCodec codec) {
     NeedleCommand now = sent;
-    const bool pushed_out = sent.force_hand_N > 0 && sent.velocity_needle_m_per_s > 0;
-    if (codec != HapticCodec::kDeadbandLinear || pushed_out) return now;
+    if (stands(sent, codec)) return now;
     const double elapsed_s = to_seconds(since);
     const double way_m = sent.velocity_needle_m_per_s * elapsed_s;
     now.position_needle_m += way_m;
@@ -88,6 +93,7 @@ class NeedleFill {
         SessionTime stamp{};
         std::uint32_t sequence = 0;  // of the newest packet
         NeedleWave message;
+        bool moves = false;  // else the scene waits, and the next packet moves it along a straight line
     };
 
     NeedleFill(const CodecSettings& settings, Duration period) : settings_(settings), period_(period) {}
@@ -105,6 +111,7 @@ class NeedleFill {
         sent_ = message;
         const bool ahead = !known_ || newest_ > sample_.stamp;
         if (ahead) sample_.stamp = newest_;
+        fresh_ = !ahead;
         if (ahead) next_ = now + period_ + period_ / 2;
         if (next_ == kNever) next_ = now + period_ / 2;
         known_ = true;
@@ -125,6 +132,8 @@ class NeedleFill {
         sample_.stamp = stamp;
         sample_.message.command = reconstructed(sent_.command, stamp - newest_, settings_.command);
         sample_.message.waves = sent_.waves;
+        sample_.moves = fresh_ || !stands(sent_.command, settings_.command);
+        fresh_ = false;
         return &sample_;
     }
 
@@ -132,6 +141,7 @@ class NeedleFill {
     CodecSettings settings_;
     Duration period_;
     bool known_ = false;
+    bool fresh_ = false;  // the newest packet has not moved the needle yet
     SessionTime newest_{}, next_ = kNever;
     NeedleWave sent_;
     Sample sample_;
