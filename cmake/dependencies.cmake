@@ -37,8 +37,8 @@ if(THIMBLE_DEVICES)
     pkg_check_modules(libusb REQUIRED IMPORTED_TARGET libusb-1.0)
 endif()
 
-# Maps by the ranks of many machines: a program of its own, so that no other needs Open MPI.
-option(THIMBLE_MPI "build thimble-sweep-mpi" ON)
+# Work by the ranks of many machines: a module, so that no program needs Open MPI.
+option(THIMBLE_MPI "build thimble-ranks.so, for mpirun" ON)
 if(THIMBLE_SANITIZE)
     set(THIMBLE_MPI OFF)  # what Open MPI itself leaks and races would be all they say
 endif()

@@ -7,6 +7,7 @@
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/version.hpp"
+#include "study/ranks/ranks.hpp"
 #include "thimble/commands/commands.hpp"
 
 namespace {
@@ -23,8 +24,8 @@ std::vector<Purpose> add_commands(CLI::App& app, const std::string& typed) {
     std::vector<Purpose> purposes;
     purposes.push_back({"Try it", {add_play(app), add_run(app, typed), add_check(app)}});
     purposes.push_back({"Study",
-                        {add_study(app), add_compensators(app), add_board(app), add_analyse(app), add_report(app, typed),
-                         add_replay(app), add_power(app, typed)}});
+                        {add_study(app), add_compensators(app), add_board(app), add_analyse(app),
+                         add_report(app, typed), add_replay(app), add_power(app, typed)}});
     purposes.push_back({"People", {add_dataset(app), add_fit(app)}});
     purposes.push_back({"Network", {add_link_test(app)}});
     purposes.push_back({"Stability", {add_stability(app), add_sweep(app)}});
@@ -54,7 +55,8 @@ int run_thimble(int argc, char** argv) {
     if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     for (const Purpose& purpose : purposes) {
         for (const Subcommand& command : purpose.commands) {
-            if (command.subcommand->parsed()) return command.run();
+            if (!command.subcommand->parsed()) continue;
+            return command.by_ranks || own_rank() == 0 ? command.run() : 0;
         }
     }
     return 0;  // never: the app requires one
@@ -63,5 +65,7 @@ int run_thimble(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    return guarded_main("thimble", [&] { return run_thimble(argc, argv); });
+    quieten_other_ranks();
+    const int code = guarded_main("thimble", [&] { return run_thimble(argc, argv); });
+    return own_rank() == 0 ? code : 0;  // mpirun would end rank 0 before it has written all
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,9 +13,9 @@
 #include "session/settings/protocol.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "study/loop_limits.hpp"
-#include "study/ordered_workers.hpp"
 #include "study/study.hpp"
 #include "study/with_compensator.hpp"
+#include "study/worker_pool.hpp"
 
 namespace thimble {
 namespace {
@@ -201,21 +200,18 @@ bool run_compensator_trials(const SystemSettings& settings, const CompensatorStu
                             std::span<CompensatorTrial> trials,
                             const std::function<void(const CompensatorTrial&)>& take) {
     const std::vector<CompensatorCondition> conditions = chosen_conditions(settings, options.names);
-    OrderedWorkers<CompensatorTrial> workers(
-        trials.size(), thread_count(options.jobs),
-        [&](std::size_t i) {
-            CompensatorTrial trial = trials[i];
-            run_trial(settings, conditions[trial.condition], trial);
-            return trial;
-        },
-        options.stop);
-    for (CompensatorTrial& trial : trials) {
-        std::optional<CompensatorTrial> done = workers.take();
-        if (!done) return false;
-        trial = std::move(*done);
-        take(trial);
-    }
-    return true;
+    const auto outcome = [&](std::size_t i) {
+        CompensatorTrial trial = trials[i];
+        run_trial(settings, conditions[trial.condition], trial);
+        return static_cast<CompensatorOutcome>(trial);
+    };
+    std::size_t done = 0;
+    return run_in_order<CompensatorOutcome>(trials.size(), options.jobs, options.stop, outcome,
+                                            [&](const CompensatorOutcome& result) {
+                                                CompensatorTrial& trial = trials[done++];
+                                                static_cast<CompensatorOutcome&>(trial) = result;
+                                                take(trial);
+                                            });
 }
 
 std::vector<CompensatorRow> condense(const SystemSettings& settings, const CompensatorStudyOptions& options,

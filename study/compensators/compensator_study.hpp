@@ -45,17 +45,19 @@ SystemSettings over_network(SystemSettings settings, const CompensatorNetwork& n
 // Of the fixture, as a handle without delay would render it.
 double true_stiffness_hand_N_per_m(const SystemSettings& settings);
 
-// One trial: what it is, then what came out.
-struct CompensatorTrial {
-    std::size_t condition = 0;  // of chosen_conditions()
-    CompensatorNetwork network;
-    TrialConditions conditions;
-    double share = 1;  // of the force for the hand
-    TrialMetrics metrics;
+struct CompensatorOutcome {
+    TrialMetrics metrics{};
     bool completed = false;
     // As in CompensatorRow.
     double rendered_stiffness = TrialMetrics::kNone;
     double drift_needle_m = TrialMetrics::kNone;
+};
+// One trial: what it is, and what came out.
+struct CompensatorTrial : CompensatorOutcome {
+    std::size_t condition = 0;  // of chosen_conditions()
+    CompensatorNetwork network{};
+    TrialConditions conditions{};
+    double share = 1;  // of the force for the hand
 };
 
 // The result of one condition over one network.
@@ -79,7 +81,7 @@ struct CompensatorValue {
     const char* column;
     double CompensatorRow::*of_row;
     double TrialMetrics::*of_metrics;  // null: of the trial itself
-    double CompensatorTrial::*of_trial;
+    double CompensatorOutcome::*of_trial;
 
     template <class Trial>
     auto& of(Trial& trial) const {
@@ -93,8 +95,8 @@ inline constexpr std::array<CompensatorValue, 6> kCompensatorValues{
      {"penetration_max_m", &CompensatorRow::penetration_max_m, &TrialMetrics::penetration_max_m, nullptr},
      {"completion_time_s", &CompensatorRow::completion_time_s, &TrialMetrics::completion_time_s, nullptr},
      {"rendered_stiffness", &CompensatorRow::rendered_stiffness, nullptr,
-      &CompensatorTrial::rendered_stiffness},
-     {"drift_needle_m", &CompensatorRow::drift_needle_m, nullptr, &CompensatorTrial::drift_needle_m}}};
+      &CompensatorOutcome::rendered_stiffness},
+     {"drift_needle_m", &CompensatorRow::drift_needle_m, nullptr, &CompensatorOutcome::drift_needle_m}}};
 
 struct CompensatorStudyOptions {
     std::vector<CompensatorNetwork> networks = plain_networks({0, 0.010, 0.025, 0.050, 0.100, 0.200});

@@ -11,8 +11,8 @@
 #include "stability/stability_map.hpp"
 #include "study/compensators/compensator_report.hpp"
 #include "study/loop_limits.hpp"
-#include "study/ordered_workers.hpp"
 #include "study/study.hpp"
+#include "study/worker_pool.hpp"
 
 namespace thimble {
 namespace {
@@ -35,10 +35,12 @@ MapPlan map_plan() {
 }
 
 std::vector<std::vector<MapCell>> map_columns(const MapPlan& plan, unsigned jobs) {
-    OrderedWorkers<std::vector<MapCell>> workers(plan.delays_s.size(), thread_count(jobs),
-                                                 [&](std::size_t i) { return map_column(plan, i); });
-    std::vector<std::vector<MapCell>> columns(plan.delays_s.size());
-    for (std::vector<MapCell>& column : columns) column = *workers.take();
+    using Column = std::vector<MapCell>;
+    std::vector<Column> columns;
+    columns.reserve(plan.delays_s.size());
+    run_in_order<Column>(
+        plan.delays_s.size(), jobs, nullptr, [&](std::size_t i) { return map_column(plan, i); },
+        [&](Column column) { columns.push_back(std::move(column)); });
     return columns;
 }
 

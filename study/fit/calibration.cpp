@@ -6,7 +6,7 @@
 #include "analysis/statistics/distributions.hpp"
 #include "common/math/portable.hpp"
 #include "study/fit/fit_summary.hpp"
-#include "study/ordered_workers.hpp"
+#include "study/worker_pool.hpp"
 
 namespace thimble {
 namespace {
@@ -19,7 +19,7 @@ constexpr std::uint32_t kFirstPerson = 1'500'000;
 
 struct Person {
     TraitScores truth{};
-    std::vector<TraitScores> draws;
+    std::array<TraitScores, kIntervalDraws> draws{};
 };
 
 Person fit_person(const SystemSettings& settings, const OperatorModel& model, std::uint64_t seed,
@@ -35,7 +35,8 @@ Person fit_person(const SystemSettings& settings, const OperatorModel& model, st
             person.truth = traits_of(settings, conditions);
         }
     }
-    person.draws = model.posterior(trials, seed + r, kIntervalDraws);
+    const std::vector<TraitScores> draws = model.posterior(trials, seed + r, kIntervalDraws);
+    std::copy(draws.begin(), draws.end(), person.draws.begin());
     return person;
 }
 
@@ -79,12 +80,11 @@ std::vector<KeyCalibration> calibrate(const SystemSettings& settings, const Oper
                                       std::uint64_t seed, std::size_t people, unsigned jobs) {
     std::vector<KeyTally> tallies;
     for (FittedKey& key : fitted_keys(settings.person)) tallies.emplace_back(std::move(key));
-    OrderedWorkers<Person> workers(people, jobs,
-                                   [&](std::size_t r) { return fit_person(settings, model, seed, r); });
-    for (std::size_t r = 0; r < people; ++r) {
-        const auto person = workers.take();
-        for (KeyTally& tally : tallies) tally.add(*person);
-    }
+    run_in_order<Person>(
+        people, jobs, nullptr, [&](std::size_t r) { return fit_person(settings, model, seed, r); },
+        [&](const Person& person) {
+            for (KeyTally& tally : tallies) tally.add(person);
+        });
     std::vector<KeyCalibration> results;
     results.reserve(tallies.size());
     for (const KeyTally& tally : tallies) results.push_back(tally.result());

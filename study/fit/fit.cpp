@@ -14,7 +14,7 @@
 #include "common/text_file.hpp"
 #include "study/fit/recorded_trials.hpp"
 #include "study/fit/simulation_file.hpp"
-#include "study/ordered_workers.hpp"
+#include "study/worker_pool.hpp"
 
 namespace thimble {
 namespace {
@@ -85,23 +85,21 @@ class Fitter {
             if (training_[i])
                 training_[i]->traits = traits_of(settings_, training_pair(groups_, options_.seed, i).front());
         const std::size_t done = training_.size();
-        OrderedWorkers<std::optional<SimulatedPair>> workers(
-            pairs - std::min(done, pairs), thread_count(options_.jobs),
-            [&](std::size_t i) {
-                return simulate_pair(settings_, training_pair(groups_, options_.seed, done + i));
-            },
-            options_.stop);
+        using Pair = std::optional<SimulatedPair>;
         Progress progress;
-        while (training_.size() < pairs) {
-            const auto pair = workers.take();
-            if (!pair) return result_.complete = false;
-            file.append(*pair);
-            training_.push_back(*pair);
+        const auto pair = [&](std::size_t i) {
+            return simulate_pair(settings_, training_pair(groups_, options_.seed, done + i));
+        };
+        const auto take = [&](const Pair& simulated) {
+            file.append(simulated);
+            training_.push_back(simulated);
             progress.show(fmt::format("{}/{} trials simulated", 2 * training_.size(), 2 * pairs),
                           training_.size() % (pairs / 4 + 1) == 0);
-        }
-        file.close();
-        return true;
+        };
+        result_.complete =
+            run_in_order<Pair>(pairs - std::min(done, pairs), options_.jobs, options_.stop, pair, take);
+        if (result_.complete) file.close();
+        return result_.complete;
     }
 
     // The last trial of each condition, by the others.

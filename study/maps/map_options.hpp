@@ -1,4 +1,4 @@
-// thimble sweep, and thimble-sweep-mpi: what they take, and what they do.
+// thimble sweep: what it takes, and what it does.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "study/maps/map_grid.hpp"
-#include "study/maps/worker_pool.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
@@ -35,7 +34,7 @@ MapGrid grid_of(const SweepArguments& arguments);
 // For so many workers: no more than a column, whose cells share their theory, and so few that all have work to the end.
 std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::size_t hands);
 // Table and figure; the exit code.
-int run_map(const SweepArguments& arguments, const MapGrid& grid, WorkerPool& pool);
+int run_map(const SweepArguments& arguments, const MapGrid& grid);
 // map.svg in `folder` from its map.csv: outcomes as points, a panel for each hand, compensator, jitter and loss, the boundary of
 // the theory over them. Says what is missing instead if there is no gnuplot or there are more than 36 panels.
 void draw_map(const std::filesystem::path& folder, const MapGrid& grid);

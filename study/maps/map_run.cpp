@@ -5,8 +5,10 @@
 
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
+#include "study/maps/cells.hpp"
 #include "study/maps/map_options.hpp"
-#include "study/maps/map_table.hpp"
+#include "study/planned_table.hpp"
+#include "study/worker_pool.hpp"
 
 namespace thimble {
 
@@ -17,20 +19,22 @@ std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::
     return std::clamp<std::size_t>(grid.cells() / (hands * kBlocksEach), 1, std::min(kMost, grid.column()));
 }
 
-int run_map(const SweepArguments& arguments, const MapGrid& grid, WorkerPool& pool) {
+int run_map(const SweepArguments& arguments, const MapGrid& grid) {
     const std::filesystem::path folder = arguments.out;
     const IfExists fresh = arguments.overwrite ? IfExists::kReplace : IfExists::kRefuse;
-    MapTable table(folder, grid, arguments.resume ? IfExists::kContinue : fresh);
-    if (table.done() > 0) spdlog::info("{} of {} cells were there already", table.done(), grid.cells());
-    PoolWork work;
-    work.first = table.done();
-    work.end = grid.cells();
-    work.block = block_of(arguments, grid, pool.hands());
+    PlannedTable table(folder, "map", "map", grid_text(grid), cells_header(),
+                       arguments.resume ? IfExists::kContinue : fresh);
+    const std::size_t first = table.done();
+    if (first > 0) spdlog::info("{} of {} cells were there already", first, grid.cells());
+    const std::size_t block = block_of(arguments, grid, worker_count(arguments.jobs));
     CellWriter writer(grid);
-    work.rows = [&writer](const CellRange& range) { return writer.rows(range); };
-    work.take = [&table](const CellRange& range, std::string rows) { table.take(range, std::move(rows)); };
-    work.stop = &stop_requested();
-    pool.lead(work);
+    run_in_order<std::string>((grid.cells() - first + block - 1) / block, arguments.jobs, &stop_requested(),
+                              [&](std::size_t i) {
+                                  const std::size_t from = first + i * block;
+                                  return writer.rows({from, std::min(block, grid.cells() - from)});
+                              },
+                              [&](const std::string& rows) { table.append(rows); }, ResultsGo::kToFirst);
+    if (own_rank() > 0) return static_cast<int>(ExitCode::kOk);
     if (table.done() < grid.cells()) {
         spdlog::error("interrupted; the {} cells that were done are kept: go on with --resume", table.done());
         return static_cast<int>(ExitCode::kRunFailed);

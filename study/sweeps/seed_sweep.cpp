@@ -8,7 +8,9 @@
 #include "common/process/progress.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
+#include "session/virtual/virtual_session.hpp"
 #include "study/study.hpp"
+#include "study/worker_pool.hpp"
 
 namespace thimble {
 namespace {
@@ -16,8 +18,10 @@ namespace {
 // False if it was stopped.
 bool run_into(std::vector<TrialRow>& rows, const SystemSettings& settings,
               const std::vector<TrialConditions>& trials, const SweepOptions& options) {
-    return run_trials(settings, trials, thread_count(options.jobs), options.stop,
-                      [&](const TrialRecord& record) { rows.push_back(make_row(record)); });
+    return run_in_order<TrialRow>(
+        trials.size(), options.jobs, options.stop,
+        [&](std::size_t i) { return make_row(run_virtual_trial(settings, trials[i])); },
+        [&](const TrialRow& row) { rows.push_back(row); });
 }
 
 // Nothing if it was stopped.

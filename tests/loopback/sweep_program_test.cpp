@@ -21,9 +21,9 @@ using testing::HasSubstr;
 
 const std::filesystem::path kMpirun = "/usr/bin/mpirun";
 
-#define SKIP_WITHOUT_MPI()                                                \
-    if (!std::filesystem::exists(built_programs() / "thimble-sweep-mpi")) \
-        GTEST_SKIP() << "built without THIMBLE_MPI";                      \
+#define SKIP_WITHOUT_MPI()                                                              \
+    if (!std::filesystem::exists(built_programs() / "../lib/thimble/thimble-ranks.so")) \
+        GTEST_SKIP() << "built without THIMBLE_MPI";                                    \
     if (!std::filesystem::exists(kMpirun)) GTEST_SKIP() << kMpirun << " is missing: package openmpi-bin"
 
 std::vector<std::string> map_words(const std::filesystem::path& out, const std::vector<std::string>& more) {
@@ -83,7 +83,7 @@ TEST(SweepProgram, ADeadRankLeavesWhatWasDone) {
                         where.string());
     };
     {
-        Child mpirun(kMpirun, with_ranks(2, built_programs() / "thimble-sweep-mpi", words(out)),
+        Child mpirun(kMpirun, with_ranks(2, built_programs() / "thimble", sweep(words(out))),
                      folder / "mpirun.log");
         ASSERT_TRUE(wait_until([&] { return lines_in(out / "map.csv") > 30; })) << mpirun.last_lines();
         const std::vector<pid_t> ranks = children_of(mpirun.pid());
@@ -96,7 +96,7 @@ TEST(SweepProgram, ADeadRankLeavesWhatWasDone) {
     }
     std::vector<std::string> resume = words(out);
     resume.emplace_back("--resume");
-    const Outcome on = run_to_end(kMpirun, with_ranks(3, built_programs() / "thimble-sweep-mpi", resume));
+    const Outcome on = run_to_end(kMpirun, with_ranks(3, built_programs() / "thimble", sweep(resume)));
     ASSERT_EQ(on.code, 0) << on.words;
     ASSERT_EQ(run_thimble(sweep(words(whole))).code, 0);
     EXPECT_EQ(read_text(out / "map.csv"), read_text(whole / "map.csv"));
@@ -113,13 +113,31 @@ TEST(SweepProgram, AMistakeUnderMpirunIsSaidOnce) {
     EXPECT_EQ(outcome.words.find(words), outcome.words.rfind(words));
 }
 
-TEST(SweepProgram, WithoutItsProgramForRanksThimbleSaysSo) {
+TEST(SweepProgram, WithoutItsModuleForRanksThimbleSaysSo) {
     const Folder folder;
     std::filesystem::copy(built_programs() / "thimble", folder / "thimble");
     const Outcome outcome =
         run_to_end("/usr/bin/env", {"OMPI_COMM_WORLD_SIZE=2", (folder / "thimble").string(), "sweep"});
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.words, HasSubstr("build with -DTHIMBLE_MPI=ON"));
+}
+
+// Comparisons, studies over seeds and the board go through the same pool.
+TEST(SweepProgram, RanksAndThreadsMakeTheSameTrialsAndRows) {
+    SKIP_WITHOUT_MPI();
+    const Folder folder;
+    const auto both = [&folder](const std::string& words, const std::string& file) {
+        const auto threads = folder / "threads", ranks = folder / "ranks";
+        const Outcome one = run_thimble(words_in(words + " --overwrite --jobs 3 --out " + threads.string()));
+        const Outcome two =
+            run_to_end(kMpirun, with_ranks(2, built_programs() / "thimble",
+                                           words_in(words + " --overwrite --out " + ranks.string())));
+        EXPECT_EQ(two.code, one.code) << two.words;
+        EXPECT_EQ(read_text(ranks / file), read_text(threads / file)) << words;
+    };
+    both("compensators --only HF,wave --subjects 2 --delays-s 0.05", "compensator_trials.csv");
+    both("study --seeds 2 --subjects 2 --experiment 3", "claims_seeds.csv");
+    both("board --quick --only CF,scaled,0ms,50ms", "board.csv");
 }
 
 TEST(SweepProgram, TheVirtualOperatorsCells) {

@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "study/board/board_run.hpp"
+#include "study/ranks/ranks.hpp"
 #include "thimble/commands/commands.hpp"
 
 namespace thimble {
@@ -51,8 +52,11 @@ int board(const BoardArguments& a) {
     const BoardPlan plan = plan_of(a);
     install_stop_signals();
     const IfExists fresh = a.overwrite ? IfExists::kReplace : IfExists::kRefuse;
-    const BoardOptions options{a.out, a.resume ? IfExists::kContinue : fresh, a.jobs, &stop_requested()};
-    if (!run_board(plan, options)) {
+    const BoardOptions options{join_ranks(a.out), a.resume ? IfExists::kContinue : fresh, a.jobs,
+                               &stop_requested()};
+    const bool complete = run_board(plan, options);
+    if (own_rank() > 0) return static_cast<int>(ExitCode::kOk);
+    if (!complete) {
         spdlog::error("interrupted; the rows that were done are kept: go on with --resume");
         return static_cast<int>(ExitCode::kRunFailed);
     }
@@ -90,7 +94,7 @@ Subcommand add_board(CLI::App& app) {
         "Examples:\n  thimble board --out out/board\n"
         "  thimble board --quick --seed 7 --out out/quick\n"
         "  thimble board --plugin ./mine.so --only mine,wave --out out/mine");
-    return {sub, [arguments] { return board(*arguments); }};
+    return {sub, [arguments] { return board(*arguments); }, true};
 }
 
 }  // namespace thimble

@@ -13,6 +13,7 @@ namespace thimble {
 struct Subcommand {
     CLI::App* subcommand;      // lives as long as the app it was added to
     std::function<int()> run;  // once the command line has been parsed; returns the exit code
+    bool by_ranks = false;     // under mpirun each rank runs it; any other command the first one alone
 };
 
 // Each adds its subcommand to `app`. `typed` is the whole command line, for the report's provenance.

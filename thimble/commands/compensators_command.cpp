@@ -22,6 +22,7 @@
 #include "common/text_file.hpp"
 #include "study/compensators/compensator_report.hpp"
 #include "study/compensators/compensator_table.hpp"
+#include "study/ranks/ranks.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"
 
@@ -172,6 +173,7 @@ int compare_compensators(CompensatorsArguments arguments) {
     const SystemSettings settings = load_system_settings(arguments.session);
     require_virtual_subjects(settings, "compensators");
     install_stop_signals();
+    arguments.out = join_ranks(arguments.out).string();
     arguments.study = study_of(settings, arguments);
     arguments.study.stop = &stop_requested();
     std::vector<CompensatorTrial> trials = plan_compensator_trials(settings, arguments.study);
@@ -229,7 +231,7 @@ Subcommand add_compensators(CLI::App& app) {
         "feels over the fixture's; drift: between hand and needle, mm of needle; share: of the force for the "
         "hand.\n"
         "Example:\n  thimble compensators --subjects 10 --out out/compensators");
-    return {sub, [arguments] { return compare_compensators(*arguments); }};
+    return {sub, [arguments] { return compare_compensators(*arguments); }, true};
 }
 
 }  // namespace thimble

@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "study/fit/fit.hpp"
+#include "study/ranks/ranks.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"
 
@@ -57,6 +58,7 @@ int fit_participant(FitArguments a) {
     if (a.resume) a.fit.if_exists = IfExists::kContinue;
     install_stop_signals();
     a.fit.stop = &stop_requested();
+    a.fit.out = join_ranks(a.fit.out);
     const FitResult result = run_fit(settings, a.fit);
     if (!result.complete) {
         spdlog::error("interrupted; the trials that were simulated are kept: go on with --resume");
@@ -105,7 +107,7 @@ Subcommand add_fit(CLI::App& app) {
         "  thimble fit out/study --subject 3 --out out/fit\n"
         "  thimble study --experiment 3 --from out/fit --out out/twin\n"
         "docs/fit.md is the manual.");
-    return {fit, [arguments] { return fit_participant(*arguments); }};
+    return {fit, [arguments] { return fit_participant(*arguments); }, true};
 }
 
 }  // namespace thimble

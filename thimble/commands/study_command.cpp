@@ -19,6 +19,7 @@
 #include "session/participant/dataset.hpp"
 #include "study/fit/fit.hpp"
 #include "study/fit/person_bound.hpp"
+#include "study/ranks/ranks.hpp"
 #include "study/study.hpp"
 #include "study/sweeps/seed_sweep.hpp"
 #include "study/with_compensator.hpp"
@@ -199,7 +200,10 @@ StudyOptions study_options(const StudyArguments& arguments, const StudyDesign& d
     return options;
 }
 
-int run_one_study(const StudyArguments& arguments) {
+int run_one_study(StudyArguments arguments) {
+    const bool many = arguments.sweep.asked() || arguments.seeds > 1;
+    if (!many && own_rank() > 0) return 0;  // whole trials are too large to be sent about
+    if (many) arguments.out = join_ranks(arguments.out).string();
     const StudyDesign design = design_of(arguments);
     refuse_dataset(arguments.out);
     install_stop_signals();
@@ -327,7 +331,7 @@ Subcommand add_study(CLI::App& app) {
         "  thimble study my-session.toml --subjects 40 --order williams --out out/large --resume\n"
         "  thimble study --experiment 3 --from out/fit --subjects 1 --out out/twin\n"
         "docs/studies.md is the manual.");
-    return {study, [arguments] { return run_one_study(*arguments); }};
+    return {study, [arguments] { return run_one_study(*arguments); }, true};
 }
 
 }  // namespace thimble

@@ -1,10 +1,7 @@
-// Which cell is which, what an axis may be, and rows in their order.
+// Which cell is which, and what an axis may be.
 #include "study/maps/map_grid.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <string>
 
@@ -13,9 +10,6 @@
 
 #include "common/error.hpp"
 #include "study/maps/cells.hpp"
-#include "study/maps/map_table.hpp"
-#include "study/maps/worker_pool.hpp"
-#include "tests/unit/session/records.hpp"
 
 namespace thimble {
 namespace {
@@ -87,50 +81,6 @@ TEST(MapCells, EveryRowHasTheHeadersColumns) {
     CellWriter writer(grid);
     for (const std::size_t cell : {0U, 6U, 12U})
         EXPECT_EQ(commas(writer.rows({cell, 1})), commas(cells_header())) << cell;
-}
-
-TEST(MapTables, BlocksInAnyOrderStandInOrder) {
-    const TemporaryDirectory directory;
-    const std::filesystem::path path = directory / "map";
-    {
-        MapTable table(path, small_grid(), IfExists::kRefuse);
-        table.take({2, 1}, "c\n");
-        EXPECT_EQ(table.done(), 0U);
-        table.take({0, 2}, "a\nb\n");
-        EXPECT_EQ(table.done(), 3U);
-        table.take({9, 1}, "lost\n");
-    }
-    EXPECT_EQ(read_text(path / "map.csv"), cells_header() + "a\nb\nc\n");
-    std::ofstream(path / "map.csv", std::ios::app) << "half a row";
-    EXPECT_THROW(MapTable(path, small_grid(), IfExists::kRefuse), Error);
-    EXPECT_EQ(MapTable(path, small_grid(), IfExists::kContinue).done(), 3U);
-    MapGrid other = small_grid();
-    other.press_N = 6;
-    EXPECT_THROW(MapTable(path, other, IfExists::kContinue), Error);
-    EXPECT_EQ(MapTable(path, other, IfExists::kReplace).done(), 0U);
-}
-
-TEST(ThreadPools, DoEverythingOnceAndThrowWhatAWorkerThrew) {
-    for (const unsigned threads : {1U, 3U}) {
-        std::multiset<std::size_t> done;
-        PoolWork work;
-        work.first = 5;
-        work.end = 42;
-        work.block = 4;
-        work.rows = [](const CellRange& range) { return std::to_string(range.first); };
-        work.take = [&](const CellRange& range, const std::string& rows) {
-            EXPECT_EQ(rows, std::to_string(range.first));
-            for (std::size_t i = 0; i < range.count; ++i) done.insert(range.first + i);
-        };
-        ThreadPool(threads).lead(work);
-        EXPECT_EQ(done.size(), 37U);
-        EXPECT_EQ(std::set<std::size_t>(done.begin(), done.end()).size(), 37U);
-        work.rows = [](const CellRange&) -> std::string { throw Error(ExitCode::kUsage, "no"); };
-        EXPECT_THROW(ThreadPool(threads).lead(work), Error);
-        const std::atomic<bool> stop{true};
-        work.stop = &stop;
-        EXPECT_NO_THROW(ThreadPool(threads).lead(work));
-    }
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 // The pool behind studies: order, exceptions, a stop.
-#include "study/ordered_workers.hpp"
-
+#include <array>
 #include <stdexcept>
+#include <vector>
 
 #include <gtest/gtest.h>
+
+#include "study/worker_pool.hpp"
 
 namespace thimble {
 namespace {
@@ -47,6 +49,36 @@ TEST(OrderedWorkers, APoolWithoutATakerEnds) {
         OrderedWorkers<int> workers(1000, 2, [&begun](std::size_t) { return ++begun; });
     }
     EXPECT_LE(begun, 4);  // two results wait per thread
+}
+
+TEST(WorkerPool, HandsEachResultOverInOrderAndSaysWhetherAllAreDone) {
+    std::vector<std::size_t> taken;
+    const auto square = [](std::size_t i) { return i * i; };
+    const auto take = [&taken](std::size_t result) { taken.push_back(result); };
+    EXPECT_TRUE(run_in_order<std::size_t>(4, 3, nullptr, square, take));
+    EXPECT_EQ(taken, (std::vector<std::size_t>{0, 1, 4, 9}));
+    const std::atomic<bool> stop{true};
+    EXPECT_FALSE(run_in_order<std::size_t>(4, 3, &stop, square, take));
+    const auto fail = [](std::size_t) -> std::size_t { throw std::runtime_error("no"); };
+    EXPECT_THROW(run_in_order<std::size_t>(4, 1, nullptr, fail, take), std::runtime_error);
+}
+
+// As between ranks.
+template <class Result>
+Result sent(const Result& result) {
+    std::string bytes;
+    append_bytes(bytes, result);
+    Result read{};
+    read_bytes(bytes, read);
+    return read;
+}
+
+TEST(WorkerPool, AResultIsTheSameBehindTheWire) {
+    EXPECT_EQ(sent(std::string("a,b\n")), "a,b\n");
+    EXPECT_EQ(sent(std::string()), "");
+    EXPECT_EQ(sent(0.1), 0.1);
+    EXPECT_EQ(sent(std::vector<std::array<double, 2>>{{1, 2}, {3, 4}}),
+              (std::vector<std::array<double, 2>>{{1, 2}, {3, 4}}));
 }
 
 }  // namespace
