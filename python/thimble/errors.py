@@ -2,6 +2,8 @@
 
 
 class Error(Exception):
+    """All exceptions of Thimble."""
+
     exit_code = 1
 
 

@@ -164,6 +164,11 @@ int share(const LogArguments& a) {
     return 0;
 }
 
+int print_dissector(const LogArguments& /*a*/) {
+    put(wireshark_dissector());
+    return 0;
+}
+
 CLI::App* add_part(CLI::App& log, LogArguments& a, int (*run)(const LogArguments&), const char* name,
                    const char* what, const char* example) {
     CLI::App* part = log.add_subcommand(name, what);
@@ -202,6 +207,10 @@ Subcommand add_log(CLI::App& app) {
     CLI::App* to_others =
         add_part(*log, a, share, "export", "tables, JSON or ROS 2 messages for other programs",
                  "thimble log export out/run/nodes/*_50ms.mcap --csv out/tables");
+    log->add_subcommand(
+           "dissector",
+           "a dissector of Wireshark for messages in the clear, in Lua (docs/interoperability.md)")
+        ->callback([&a] { a.run = print_dissector; });
     fix->get_option("files")->expected(1);
     fix->add_option("-o,--out", a.out, "the new file")->required();
     for (CLI::App* part : {cat, to_others}) part->add_option("--topic", a.topic, "only topics that begin so");

@@ -37,6 +37,9 @@ struct Ros2Written {
 Ros2Written export_ros2(const LoggedFiles& files, const std::filesystem::path& path,
                         const std::string& topic);
 
+// A program for Wireshark that shows messages in the clear by field, as text in Lua.
+std::string wireshark_dissector();
+
 // One message as a JSON object, or for people; `zero_ns` is what their times count from.
 std::string to_json(const MergedMessage& message, const PacketFields& fields);
 std::string to_line(const MergedMessage& message, const PacketFields& fields, std::int64_t zero_ns);
