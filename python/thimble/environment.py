@@ -38,6 +38,9 @@ except ImportError:
         def sample(self):
             return self._random.uniform(self.low, self.high).astype(self.dtype)
 
+        def __contains__(self, value):
+            return self.contains(value)
+
         def contains(self, value):
             return getattr(value, "shape", None) == self.shape and bool((value >= self.low).all() and (value <= self.high).all())
 
@@ -81,7 +84,7 @@ class NeedleEnv(_Base):
 
     def reset(self, *, seed=None, options=None):
         """Begins the next trial, or the first one of a seed; returns (observation, info)."""
-        if isinstance(_Base, type) and hasattr(_Base, "reset"):
+        if hasattr(super(), "reset"):
             super().reset(seed=seed)
         self._trial = self._trial + 1 if seed is None else 1
         self._seed = self._seed if seed is None else int(seed)
