@@ -14,8 +14,6 @@ bool is_plain(const LinkSettings& s) {
            s.outages.empty() && s.trace == nullptr && s.deliveries == nullptr;
 }
 
-// RFC 3168: either bit says that the sender understands ECN, both say that the packet met congestion.
-constexpr std::uint8_t kCongestionExperienced = 3;
 bool understands_ecn(std::uint8_t traffic_class) { return (traffic_class & kCongestionExperienced) != 0; }
 
 }  // namespace

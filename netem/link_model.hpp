@@ -25,6 +25,9 @@ namespace thimble {
 // The most that UDP over IPv4 carries.
 inline constexpr std::size_t kLargestDatagramBytes = 65507;
 
+// RFC 3168, of a traffic class: either bit says that the sender understands ECN, both say that the packet met congestion.
+inline constexpr std::uint8_t kCongestionExperienced = 3;
+
 // Since the last restart.
 //   pushed + duplicated = lost + outage + oversized + queue_full + overflowed + delivered + in flight
 struct LinkCounters {

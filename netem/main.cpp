@@ -26,7 +26,7 @@ constexpr const char* kFooter =
     "  thimble-netem shell --profile lte -- ssh robot\n"
     "  thimble-netem pair --profile wifi -- ./robot.sh -- ./operator.sh\n\n"
     "As a node of a Thimble session it is started without --listen: see thimble-netem node --help.\n"
-    "Manual: docs/network-relay.md, docs/network-shell.md.\n"
+    "Manual: docs/network-relay.md, docs/network-shell.md, docs/network-numbers.md.\n"
     "Exit codes: 0 ok, 1 failed, 2 usage or configuration, 3 network, 4 real time, 5 data.";
 
 // A session starts its node with options alone, none of them these. A person may name the session file first.

@@ -74,7 +74,7 @@ void import_captures(const std::string& text, const ImportArguments& a) {
         pair.duplicates, pair.reordered, pair.foreign, to_seconds(pair.least), to_seconds(pair.most));
     for (const Capture* capture : {&sent, &received}) {
         if (capture->fragments + capture->others == 0 && !capture->cut_at_end) continue;
-        fmt::print("  {}: {} packets that are no IPv4 UDP and {} fragments left out{}\n",
+        fmt::print("  {}: {} packets that are no UDP and {} fragments left out{}\n",
                    capture == &sent ? a.files[0] : a.files[1], capture->others, capture->fragments,
                    capture->cut_at_end ? "; it ends within a packet" : "");
     }

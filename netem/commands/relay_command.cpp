@@ -1,6 +1,5 @@
 // thimble-netem --listen ... --to ...: a network in front of any UDP program. With --selftest: in front of its own.
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,9 +10,8 @@
 #include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "netem/commands/commands.hpp"
+#include "netem/commands/network_options.hpp"
 #include "netem/formats/tc_text.hpp"
-#include "netem/profiles/profiles.hpp"
-#include "netem/relay/control_text.hpp"
 #include "netem/relay/relay_service.hpp"
 #include "netem/relay/selftest.hpp"
 
@@ -22,37 +20,12 @@ namespace {
 
 struct RelayOptions {
     std::vector<std::string> listen, to;
-    std::string profile;                // a name, a file or tc's words (profiles.hpp)
-    std::vector<std::string> link;      // assignments as for `thimble-netem set`, on top of it
-    std::optional<std::uint64_t> seed;  // without it that of tc's words, or 1
+    NetworkOptions network;
     std::size_t most_flows = 1000;
     double idle_s = 60, seconds = 0;
     bool precise = false, json = false, strict_rt = false, default_scheduling = false, selftest = false;
     std::string log, control, metrics, print_tc;
 };
-
-constexpr double kSelftestDefault_s = 10;
-
-struct Network {
-    LinkPair links;
-    TimelinePair timelines;
-    std::uint64_t seed = 1;
-};
-
-// Throws Error (usage; data for a file that a profile names).
-Network read_network(const RelayOptions& options) {
-    Network network;
-    if (!options.profile.empty()) {
-        LinkProfile profile = load_profile(options.profile);
-        for (const std::string& note : profile.notes) spdlog::info(note);
-        network.links = {std::move(profile.up), std::move(profile.down)};
-        network.timelines = {std::move(profile.up_changes), std::move(profile.down_changes)};
-        network.seed = profile.seed.value_or(network.seed);
-    }
-    network.seed = options.seed.value_or(network.seed);
-    network.links = assign(network.links, options.link);
-    return network;
-}
 
 // The same for the kernel's netem, and what it does not do. A qdisc holds for what leaves its device: DEVICE is on the way
 // to the server, and DEVICE,DEVICE names that and the one on the way to the clients.
@@ -108,7 +81,7 @@ RelaySettings relay_settings(const RelayOptions& options) {
         }
         relay.inlets.push_back({listen_address(options.listen[i]), to});
     }
-    Network network = read_network(options);
+    Network network = read_network(options.network);
     relay.links = std::move(network.links);
     relay.timelines = std::move(network.timelines);
     relay.seed = network.seed;
@@ -147,17 +120,10 @@ int relay(const RelayOptions& options) {
 }
 
 int selftest(const RelayOptions& options) {
-    SelftestSettings settings;
-    Network network = read_network(options);
-    settings.links = std::move(network.links);
-    settings.timelines = std::move(network.timelines);
-    settings.seed = network.seed;
-    settings.length = from_seconds(options.seconds > 0 ? options.seconds : kSelftestDefault_s);
+    SelftestSettings settings = selftest_settings(options.network, options.seconds);
     settings.precise = options.precise;
     settings.runtime.realtime_scheduling = !options.default_scheduling;
-    const SelftestResult result = run_selftest(settings);
-    fmt::print("{}", options.json ? json_text(describe(result), 2) + "\n" : selftest_text(result));
-    return static_cast<int>(result.verdict == SelftestVerdict::kFail ? ExitCode::kRunFailed : ExitCode::kOk);
+    return run_and_print(settings, *make_relay_path(), options.json);
 }
 
 void add_traffic_options(CLI::App& app, RelayOptions& o) {
@@ -167,16 +133,7 @@ void add_traffic_options(CLI::App& app, RelayOptions& o) {
     app.add_option("--to", o.to, "the server behind, one for each --listen")
         ->type_name("HOST:PORT")
         ->take_all();
-    app.add_option("-p,--profile", o.profile,
-                   "the network: a name (" + fmt::format("{}", fmt::join(profile_names(), ", ")) +
-                       "), a TOML file, or tc's words in quotes")
-        ->type_name("NAME|FILE|WORDS");
-    app.add_option(
-           "--link", o.link,
-           "single settings on top of it, e.g. up.delay_s=0.05 loss=0.01; both ways without up. or down.")
-        ->type_name("KEY=VALUE");
-    app.add_option("--seed", o.seed,
-                   "the same seed gives each packet the same fate; 1, or that of tc's words");
+    add_network_options(app, o.network);
     app.add_option("--max-flows", o.most_flows, "clients at the same time")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
@@ -211,7 +168,7 @@ std::function<int()> add_relay(CLI::App& app) {
     add_run_options(app, *options);
     return [options] {
         if (options->print_tc.empty()) return options->selftest ? selftest(*options) : relay(*options);
-        print_tc_commands(read_network(*options).links, options->print_tc);
+        print_tc_commands(read_network(options->network).links, options->print_tc);
         return 0;
     };
 }

@@ -5,6 +5,7 @@
 // where a word means another thing than in tc.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -23,6 +24,8 @@ struct TcLink {
     bool both = false;                    // for both ways
 };
 
+enum class Way : std::uint8_t { kUp, kDown };
+
 // A qdisc holds for what leaves its device. So words are the way up alone, unless they say `both` or belong to an ifb device,
 // which stands for what comes in. Of two devices the first is the way up and the second the way down.
 struct TcWays {
@@ -37,14 +40,12 @@ using TableFinder = std::function<std::shared_ptr<const JitterTable>(std::string
 
 // Keywords may be cut as tc allows ("dist", "dup"). Three words are ours. "ordered" keeps the order of packets under jitter,
 // which tc does only with a rate. "unordered" lets them overtake each other then, too. "both" is for both ways.
+// `known`: all words are for this way, whatever their device is.
 // Throws Error (usage) that names the word and what may stand there.
-TcWays parse_tc(std::string_view text, const TableFinder& find_table);
-TcWays parse_tc(std::string_view text);  // tables from files (find_jitter_table)
-struct TcQdisc;                          // tc_command.hpp
+TcWays parse_tc(std::string_view text, const TableFinder& find_table, std::optional<Way> known = {});
+TcWays parse_tc(std::string_view text, std::optional<Way> known = {});  // tables by find_jitter_table()
+struct TcQdisc;                                                         // tc_command.hpp
 TcLink parse_netem_words(const TcQdisc& qdisc, const TableFinder& find_table);
-// The way up of them.
-TcLink parse_tc_words(std::string_view text, const TableFinder& find_table);
-TcLink parse_tc_words(std::string_view text);
 
 // Whether `text` is meant as tc's words rather than a name or a path: it has several words, the first one tc's, or names tc.
 bool looks_like_tc_words(std::string_view text);
@@ -55,7 +56,7 @@ struct TcCommands {
     std::vector<std::string> cannot;  // what tc does not do, or otherwise, a sentence each
 };
 
-// parse_tc_words(print_tc(x).words) is x for all that tc can express: jitter other than gamma, corruption of one
+// parse_tc(print_tc(x).words).up is x for all that tc can express: jitter other than gamma, corruption of one
 // bit, order kept unless there is `reorder`, or jitter without a rate; no outages, traces, limits of the rate's own queue.
 TcCommands print_tc(const LinkSettings& link, std::string_view device);
 

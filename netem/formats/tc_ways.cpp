@@ -21,6 +21,13 @@ LinkSettings read_device(const TcQdisc& qdisc, const TableFinder& find_table, bo
     return tc.link;
 }
 
+void read_known_way(const TcQdisc& qdisc, const TableFinder& find_table, Way known, TcWays& ways) {
+    bool both = false;
+    (known == Way::kUp ? ways.up : ways.down) = read_device(qdisc, find_table, both, ways);
+    if (both) throw Error(ExitCode::kUsage, "tc words: `both` contradicts an option for one way");
+    ways.one_way = true;
+}
+
 void read_one_device(const TcQdisc& qdisc, const TableFinder& find_table, TcWays& ways) {
     bool both = false;
     const LinkSettings link = read_device(qdisc, find_table, both, ways);
@@ -47,7 +54,7 @@ void read_two_devices(std::vector<TcQdisc>& qdiscs, const TableFinder& find_tabl
 
 }  // namespace
 
-TcWays parse_tc(std::string_view text, const TableFinder& find_table) {
+TcWays parse_tc(std::string_view text, const TableFinder& find_table, std::optional<Way> known) {
     TcWays ways;
     if (trimmed(text).empty()) {
         ways.one_way = true;
@@ -55,12 +62,15 @@ TcWays parse_tc(std::string_view text, const TableFinder& find_table) {
     }
     TcText commands = read_tc_text(text);
     ways.notes = std::move(commands.notes);
-    if (commands.qdiscs.size() > 2) {
-        throw Error(ExitCode::kUsage,
-                    "tc words: netem at {} devices, but a path has two ways: give those of two",
-                    commands.qdiscs.size());
+    const std::size_t most = known ? 1 : 2;
+    if (commands.qdiscs.size() > most) {
+        throw Error(ExitCode::kUsage, "tc words: netem at {} devices, but {}", commands.qdiscs.size(),
+                    known ? "the option is for one way: give those of one"
+                          : "a path has two ways: give those of two");
     }
-    if (commands.qdiscs.size() == 2) {
+    if (known) {
+        read_known_way(commands.qdiscs.front(), find_table, *known, ways);
+    } else if (commands.qdiscs.size() == 2) {
         read_two_devices(commands.qdiscs, find_table, ways);
     } else {
         read_one_device(commands.qdiscs.front(), find_table, ways);
@@ -68,13 +78,8 @@ TcWays parse_tc(std::string_view text, const TableFinder& find_table) {
     return ways;
 }
 
-TcWays parse_tc(std::string_view text) { return parse_tc(text, find_jitter_table); }
-
-TcLink parse_tc_words(std::string_view text, const TableFinder& find_table) {
-    TcWays ways = parse_tc(text, find_table);
-    return {std::move(ways.up), std::move(ways.notes), ways.seed};
+TcWays parse_tc(std::string_view text, std::optional<Way> known) {
+    return parse_tc(text, find_jitter_table, known);
 }
-
-TcLink parse_tc_words(std::string_view text) { return parse_tc_words(text, find_jitter_table); }
 
 }  // namespace thimble

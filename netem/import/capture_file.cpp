@@ -17,8 +17,10 @@ namespace thimble {
 namespace {
 
 constexpr std::size_t kUdpHeader = 8;
-constexpr unsigned kIpv4 = 0x0800, kVlan = 0x8100, kServiceVlan = 0x88a8;
+constexpr unsigned kIpv4 = 0x0800, kIpv6 = 0x86dd, kVlan = 0x8100, kServiceVlan = 0x88a8;
 constexpr unsigned kUdp = 17;
+// Extension headers of IPv6 that may stand before UDP (RFC 8200), and that of a fragment.
+constexpr unsigned kHopByHop = 0, kRouting = 43, kFragment = 44, kDestinationOptions = 60;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 unsigned byte_at(std::string_view bytes, std::size_t at) { return static_cast<std::uint8_t>(bytes[at]); }
@@ -28,7 +30,7 @@ unsigned big16(std::string_view bytes, std::size_t at) {
 
 // Behind a header of so many bytes, with the protocol at `at`.
 std::optional<std::string_view> behind(std::string_view frame, std::size_t header, std::size_t at) {
-    if (frame.size() < header || big16(frame, at) != kIpv4) return {};
+    if (frame.size() < header || (big16(frame, at) != kIpv4 && big16(frame, at) != kIpv6)) return {};
     return frame.substr(header);
 }
 
@@ -40,8 +42,8 @@ std::optional<std::string_view> ip_packet(std::string_view frame, int link_type)
             while (frame.size() >= at + 6 && (big16(frame, at) == kVlan || big16(frame, at) == kServiceVlan))
                 at += 4;
             return behind(frame, at + 2, at);
-        case DLT_NULL:  // the family in the byte order of the machine
-            if (frame.size() < 4 || (byte_at(frame, 0) != 2 && byte_at(frame, 3) != 2)) return {};
+        case DLT_NULL:  // a family before it, as the machine that captured numbers and orders it
+            if (frame.size() < 4) return {};
             return frame.substr(4);
         case DLT_LINUX_SLL:
             return behind(frame, 16, 14);
@@ -52,15 +54,48 @@ std::optional<std::string_view> ip_packet(std::string_view frame, int link_type)
     }
 }
 
+struct UdpPlace {
+    std::size_t at = 0;  // 0: this is no UDP
+    bool fragment = false;
+};
+
+UdpPlace find_udp4(std::string_view ip) {
+    if (ip.size() < 20 || byte_at(ip, 9) != kUdp) return {};
+    const std::size_t header = std::size_t{4} * (byte_at(ip, 0) & 15U);
+    if (header < 20) return {};
+    return {header, (big16(ip, 6) & 0x3fff) != 0};  // more to come, or an offset
+}
+
+// A fragment's header may say that the packet is whole.
+UdpPlace find_udp6(std::string_view ip) {
+    if (ip.size() < 40) return {};
+    UdpPlace place{40};
+    unsigned next = byte_at(ip, 6);
+    while (next == kHopByHop || next == kRouting || next == kDestinationOptions || next == kFragment) {
+        if (ip.size() < place.at + 8) return {};
+        const bool fragment = next == kFragment;
+        place.fragment = place.fragment || (fragment && (big16(ip, place.at + 2) & 0xfff9) != 0);
+        next = byte_at(ip, place.at);
+        place.at += fragment ? 8 : 8 * (std::size_t{byte_at(ip, place.at + 1)} + 1);
+    }
+    return next == kUdp ? place : UdpPlace{};
+}
+
+UdpPlace find_udp(std::string_view ip) {
+    const unsigned version = ip.empty() ? 0 : byte_at(ip, 0) >> 4;
+    if (version == 4) return find_udp4(ip);
+    return version == 6 ? find_udp6(ip) : UdpPlace{};
+}
+
 // False if it is none. Lengths come from the headers: Ethernet pads short packets.
 bool read_udp(std::string_view ip, std::int64_t stamp_ns, Capture& capture) {
-    if (ip.size() < 20 || byte_at(ip, 0) >> 4 != 4 || byte_at(ip, 9) != kUdp) return false;
-    const std::size_t header = std::size_t{4} * (byte_at(ip, 0) & 15U);
-    if (header < 20 || ip.size() < header + kUdpHeader) return false;
-    if ((big16(ip, 6) & 0x3fff) != 0) {  // more to come, or an offset
+    const auto [header, fragment] = find_udp(ip);
+    if (header == 0) return false;
+    if (fragment) {
         ++capture.fragments;
         return true;
     }
+    if (ip.size() < header + kUdpHeader) return false;
     const std::size_t length = big16(ip, header + 4);
     if (length < kUdpHeader) return false;
     const std::string_view payload = ip.substr(header + kUdpHeader, length - kUdpHeader);
@@ -117,8 +152,9 @@ class CaptureParser {
 
   private:
     static bool is_known(int link_type) {
-        constexpr int kIpv4Alone = 228;
-        for (const int known : {DLT_NULL, DLT_EN10MB, DLT_RAW, DLT_LINUX_SLL, kIpv4Alone, DLT_LINUX_SLL2}) {
+        constexpr int kIpv4Alone = 228, kIpv6Alone = 229;
+        for (const int known :
+             {DLT_NULL, DLT_EN10MB, DLT_RAW, DLT_LINUX_SLL, kIpv4Alone, kIpv6Alone, DLT_LINUX_SLL2}) {
             if (link_type == known) return true;
         }
         return false;

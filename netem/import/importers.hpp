@@ -38,12 +38,12 @@ struct CapturedDatagram {
 
 struct Capture {
     std::vector<CapturedDatagram> datagrams;
-    std::size_t others = 0;     // packets that are no IPv4 UDP
+    std::size_t others = 0;     // packets that are no UDP
     std::size_t fragments = 0;  // IP fragments, left out
     bool cut_at_end = false;    // the last packet is not all there: the capture was killed
 };
 
-// The IPv4 UDP datagrams of a pcap or pcapng file, as libpcap reads it: on Ethernet (with VLAN tags), Linux cooked (SLL,
+// The UDP datagrams, over IPv4 and IPv6, of a pcap or pcapng file, as libpcap reads it: on Ethernet (with VLAN tags), Linux cooked (SLL,
 // SLL2), raw IP and loopback.
 Capture parse_capture(std::string_view bytes, std::string_view name);
 

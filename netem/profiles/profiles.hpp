@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "common/config.hpp"
+#include "netem/formats/tc_text.hpp"
 #include "netem/link_settings.hpp"
 #include "netem/profiles/profile_link.hpp"
 
@@ -49,7 +50,6 @@ LinkProfile parse_profile(std::string_view text, std::string_view name, const Fi
 // The tables of a profile; keys that it does not know are left to file.finish().
 LinkProfile read_profile(const ConfigFile& file, std::string_view name, const FileFinder& find);
 
-enum class Way : std::uint8_t { kUp, kDown };
 // For one direction of a session file in `folder`: tables and traces beside it, and `profile = ` anything that
 // load_profile takes, a file first sought in `folder`; tc's words are that one direction's. A profile whose settings change with time is refused: the
 // session's own [[timeline]] is the place for that. `read` hears the name, as seen from `folder`, of every file that is

@@ -11,7 +11,6 @@
 
 #include "common/error.hpp"
 #include "common/json_text.hpp"
-#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/control_text.hpp"
 #include "netem/relay/relay_report.hpp"
@@ -20,10 +19,8 @@ namespace thimble {
 namespace {
 
 constexpr std::size_t kLongestAnswerBytes = 65536;
-constexpr int kStopLatency_ms = 50;
 constexpr int kPatience_ms = 5000;
 constexpr Duration kAskerPatience = std::chrono::seconds{2};
-constexpr std::size_t kMostAskers = 16;
 
 struct Address {
     sockaddr_un name{};
@@ -71,7 +68,7 @@ void remove_stale(const std::filesystem::path& path) {
 bool bind_and_listen(int opened, const std::filesystem::path& path) {
     Address address = address_of(path);
     return fchmod(opened, 0600) == 0 && bind(opened, address.raw(), address.size) == 0 &&
-           chmod(path.c_str(), 0600) == 0 && listen(opened, static_cast<int>(kMostAskers)) == 0;
+           chmod(path.c_str(), 0600) == 0 && listen(opened, kMostVisitors) == 0;
 }
 
 // The socket listens before it has its name, so no program finds it without a listener. link() never replaces a file, as rename() would.
@@ -96,57 +93,11 @@ bool readable(int descriptor, int timeout_ms) {
 }  // namespace
 
 ControlServer::ControlServer(const std::filesystem::path& path)
-    : path_(path), socket_(listen_at(path)), thread_([this] { run(); }) {}
+    : path_(path),
+      server_(listen_at(path), kAskerPatience, kLongestRequestBytes,
+              [this](std::string_view said) { return answer(said); }) {}
 
-ControlServer::~ControlServer() {
-    stop_ = true;
-    thread_.join();
-    for (const Asker& asker : askers_) close(asker.socket);
-    close(socket_);
-    unlink(path_.c_str());
-}
-
-void ControlServer::run() {
-    block_signals();
-    std::vector<pollfd> wanted;
-    while (!stop_) {
-        wanted.assign(1, {socket_, POLLIN, 0});
-        for (const Asker& asker : askers_) wanted.push_back({asker.socket, POLLIN, 0});
-        if (poll(wanted.data(), wanted.size(), kStopLatency_ms) > 0 && (wanted[0].revents & POLLIN) != 0)
-            let_in();
-        look_at_askers();
-    }
-}
-
-// One more is turned away. Silent ones keep their places for kAskerPatience.
-void ControlServer::let_in() {
-    const int asker = accept4(socket_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
-    if (asker < 0) return;
-    if (askers_.size() < kMostAskers) {
-        askers_.push_back({asker, wall_now() + kAskerPatience});
-    } else {
-        close(asker);
-    }
-}
-
-void ControlServer::look_at_askers() {
-    std::erase_if(askers_, [&](const Asker& asker) {
-        if (!answer_one(asker.socket) && wall_now() < asker.until) return false;
-        close(asker.socket);
-        return true;
-    });
-}
-
-// One byte more than allowed, to see that a request was too long.
-bool ControlServer::answer_one(int asker) {
-    std::vector<char> request(kLongestRequestBytes + 1);
-    const auto size = recv(asker, request.data(), request.size(), 0);
-    if (size < 0) return errno != EAGAIN && errno != EINTR;
-    if (size == 0) return true;  // it has gone
-    const std::string words = answer({request.data(), static_cast<std::size_t>(size)});
-    send(asker, words.data(), words.size(), MSG_NOSIGNAL);
-    return true;
-}
+ControlServer::~ControlServer() { unlink(path_.c_str()); }
 
 std::string ControlServer::answer(std::string_view request) {
     nlohmann::ordered_json json{{"ok", true}};

@@ -3,17 +3,15 @@
 // answer; whatever comes in, the relay goes on.
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <string>
-#include <thread>
-#include <vector>
+#include <string_view>
 
 #include <boost/core/noncopyable.hpp>
 #include <nlohmann/json.hpp>
 
-#include "common/time.hpp"
 #include "netem/relay/relay_mailbox.hpp"
+#include "netem/relay/request_server.hpp"
 
 namespace thimble {
 
@@ -29,23 +27,11 @@ class ControlServer : boost::noncopyable {
     void serve(SteeredRelay& relay) { mailbox_.serve(relay); }
 
   private:
-    struct Asker {
-        int socket = -1;
-        SessionTime until{};  // it has to have asked
-    };
-
-    void run();
-    void let_in();
-    void look_at_askers();
-    bool answer_one(int asker);  // false: it has not asked yet
     std::string answer(std::string_view request);
 
     std::filesystem::path path_;
-    int socket_ = -1;
-    std::vector<Asker> askers_;
     RelayMailbox mailbox_;
-    std::atomic<bool> stop_{false};
-    std::thread thread_;
+    RequestServer server_;  // the last: its thread asks the mailbox
 };
 
 // Sends one request and waits for its answer. Throws Error: network if no answer comes within five seconds, usage with

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <arpa/inet.h>
 #include <map>
+#include <optional>
 
 #include "common/runtime/event_waiter.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -17,6 +18,7 @@ namespace {
 
 // For the last packets: what links may delay them, and a machine that stalls.
 constexpr Duration kSettling = std::chrono::milliseconds{300};
+constexpr Duration kPathStopLatency = std::chrono::milliseconds{100};  // of a path that waits
 
 // Keeps as many records as there is room for.
 class Records final : public PacketSink {
@@ -48,15 +50,31 @@ Duration slowest(const LinkPair& links) {
     return way(links.up) + way(links.down) + kSettling;
 }
 
-RelaySettings relay_of(const SelftestSettings& settings, const UdpAddress& server, bool precise) {
-    return {.inlets = {{{htonl(INADDR_LOOPBACK), 0}, server}},
-            .links = settings.links,
-            .timelines = settings.timelines,
-            .seed = settings.seed,
-            .most_flows = 1,
-            .idle = std::chrono::hours{24},
-            .precise = precise};
-}
+class RelayPath final : public SelftestPath {
+  public:
+    int server() const override { return server_.descriptor(); }
+    int client() override { return client_.descriptor(); }
+    void open(const SelftestSettings& settings, bool precise, PacketSink& records) override {
+        engine_.emplace(RelaySettings{.inlets = {{loopback(), server_.local()}},
+                                      .links = settings.links,
+                                      .timelines = settings.timelines,
+                                      .seed = settings.seed,
+                                      .most_flows = 1,
+                                      .idle = std::chrono::hours{24},
+                                      .precise = precise},
+                        &records);
+        client_ = UdpSocket::connected(engine_->inlet_address(0));
+    }
+    void step(SessionTime latest) override { engine_->step(latest); }
+    RelayState state(SessionTime now) const override { return engine_->state(now); }
+    SessionTime start() const override { return engine_->start(); }
+    SessionTime opened(SessionTime first_packet) const override { return first_packet; }
+
+  private:
+    static UdpAddress loopback() { return {htonl(INADDR_LOOPBACK), 0}; }
+    UdpSocket server_ = UdpSocket::listening(loopback()), client_;
+    std::optional<RelayEngine> engine_;
+};
 
 std::vector<SessionTime> receptions(const std::vector<PacketRecord>& records) {
     std::vector<SessionTime> received;
@@ -72,13 +90,14 @@ void count_records(const std::vector<PacketRecord>& records, const std::vector<b
         const bool dropped = !sent && record.fate != LoggedFate::kRefused;
         d.dropped += dropped ? 1U : 0U;
         d.lost += record.fate == LoggedFate::kLost ? 1U : 0U;
+        d.corrupted += sent && record.corrupted ? 1U : 0U;
         d.early += sent && record.sent_ns < record.due_ns ? 1U : 0U;
         d.other_fates += record.packet >= foretold.size() || foretold[record.packet] != dropped ? 1U : 0U;
     }
 }
 
 SelftestDirection examine(const TwinLink& link, std::size_t bytes, const TrafficWay& way,
-                          const std::vector<PacketRecord>& records) {
+                          const std::vector<PacketRecord>& records, bool drops_corrupted) {
     SelftestDirection d;
     const std::vector<SessionTime> received = receptions(records);
     d.delays_s = way.delays_s();
@@ -86,7 +105,7 @@ SelftestDirection examine(const TwinLink& link, std::size_t bytes, const Traffic
     d.received = records.size();
     d.arrived = d.delays_s.size();
     count_records(records, replay(link, received, bytes).dropped_packet, d);
-    const std::uint64_t accounted = d.arrived + d.dropped + way.strangers;
+    const std::uint64_t accounted = d.arrived + d.dropped + (drops_corrupted ? d.corrupted : way.strangers);
     d.lost_by_machine = d.offered - std::min(d.offered, accounted);
     d.comparison = compare(link, received, bytes, d.delays_s);
     const LossLaw law(link, received);
@@ -98,29 +117,32 @@ SelftestDirection examine(const TwinLink& link, std::size_t bytes, const Traffic
 
 }  // namespace
 
-SelftestResult run_selftest(const SelftestSettings& settings) {
+std::unique_ptr<SelftestPath> make_relay_path() { return std::make_unique<RelayPath>(); }
+
+SelftestResult run_selftest(const SelftestSettings& settings, SelftestPath& path) {
     const Duration bare = settings.length / 10;
     const auto packets = static_cast<std::size_t>((settings.length - 2 * bare) / kTrafficPeriod);
-    SelftestTraffic traffic(packets, slowest(settings.links));
+    SelftestTraffic traffic(packets, slowest(settings.links), path.server());
     traffic.launch();
     Records records(8 * packets + 16);
     install_stop_signals();
     const bool precise = ask_for_precision(settings.runtime, settings.precise);
     SelftestResult result;
     result.timer = measure_timer(kTrafficPeriod, bare);
-    RelayEngine engine(relay_of(settings, traffic.address(), precise), &records);
-    traffic.start(engine.inlet_address(0));
-    while (!traffic.finished() && !stop_requested()) engine.step(kNever);
-    result.state = engine.state(wall_now());
+    path.open(settings, precise, records);
+    traffic.start(path.client());
+    while (!traffic.finished() && !stop_requested()) path.step(wall_now() + kPathStopLatency);
+    result.state = path.state(wall_now());
     result.timer.merge(measure_timer(kTrafficPeriod, bare));
     const StreamKey key = flow_key(settings.seed, 0, 0);
     const auto up = records.of(RelayDirection::kUp), down = records.of(RelayDirection::kDown);
-    const SessionTime start = engine.start(), opened = up.empty() ? start : receptions(up).front();
+    const SessionTime start = path.start(), opened = path.opened(up.empty() ? start : receptions(up).front());
     result.direction = {
-        examine({settings.links.up, settings.timelines.up, key, kRelayUp, start, opened}, kUpBytes,
-                traffic.way(RelayDirection::kUp), up),
-        examine({settings.links.down, settings.timelines.down, key, kRelayDown, start, opened}, kDownBytes,
-                traffic.way(RelayDirection::kDown), down)};
+        examine({settings.links.up, settings.timelines.up, key, kRelayUp, start, opened},
+                kUpBytes + path.header_bytes(), traffic.way(RelayDirection::kUp), up, path.drops_corrupted()),
+        examine({settings.links.down, settings.timelines.down, key, kRelayDown, start, opened},
+                kDownBytes + path.header_bytes(), traffic.way(RelayDirection::kDown), down,
+                path.drops_corrupted())};
     judge(result);
     return result;
 }

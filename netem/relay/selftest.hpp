@@ -1,17 +1,20 @@
-// Whether this machine can be trusted with a profile: own traffic through an own relay over loopback, compared with what
-// was asked, beside this machine's bare timer. Findings are data; the verdict is arithmetic on them (verdict()).
+// Whether this machine can be trusted with a profile: own traffic through an own path, compared with what was asked, beside
+// this machine's bare timer. Findings are data; the verdict is arithmetic on them (verdict()).
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
 #include <nlohmann/json.hpp>
 
 #include "common/histogram.hpp"
 #include "common/runtime/runtime_settings.hpp"
+#include "netem/relay/packet_record.hpp"
 #include "netem/relay/relay_report.hpp"
 #include "netem/relay/relay_settings.hpp"
 #include "netem/relay/selftest_twin.hpp"
@@ -33,6 +36,7 @@ struct SelftestDirection {
     std::uint64_t arrived = 0;      // first copies, unharmed, at the other end
     std::uint64_t dropped = 0;      // by the link, as asked
     std::uint64_t lost = 0;         // of these by its loss model, or a trace
+    std::uint64_t corrupted = 0;    // sent with bits flipped
     std::uint64_t early = 0;        // sent before they were due
     std::uint64_t other_fates = 0;  // dropped where virtual time with this seed does not, or the reverse
     // Neither asked nor explained: lost on the way to the relay, in it, or behind it.
@@ -57,8 +61,27 @@ struct SelftestResult {
 // Sets verdict and causes from the rest.
 void judge(SelftestResult& result);
 
+// The way that the traffic goes, and its two ends.
+class SelftestPath : boost::noncopyable {
+  public:
+    virtual ~SelftestPath() = default;
+    virtual int server() const = 0;  // a socket that stamps what comes
+    // Two links and what relays for them, with the scheduling that this thread has now.
+    virtual void open(const SelftestSettings& settings, bool precise, PacketSink& records) = 0;
+    // From then on:
+    virtual int client() = 0;  // a socket that is connected to the server, through the path
+    virtual void step(SessionTime latest) = 0;
+    virtual RelayState state(SessionTime now) const = 0;
+    virtual SessionTime start() const = 0;
+    // A link begins with its first packet, or with the path.
+    virtual SessionTime opened(SessionTime first_packet) const = 0;
+    virtual std::size_t header_bytes() const { return 0; }  // that a link counts beyond a datagram's own
+    virtual bool drops_corrupted() const { return false; }  // the receiving kernel does, by their checksums
+};
+
 // Throws Error (network) if loopback UDP cannot be used.
-SelftestResult run_selftest(const SelftestSettings& settings);
+std::unique_ptr<SelftestPath> make_relay_path();
+SelftestResult run_selftest(const SelftestSettings& settings, SelftestPath& path);
 
 nlohmann::ordered_json describe(const SelftestResult& result);
 std::string selftest_text(const SelftestResult& result);

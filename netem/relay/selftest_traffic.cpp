@@ -1,7 +1,6 @@
 #include "netem/relay/selftest_traffic.hpp"
 
 #include <algorithm>
-#include <arpa/inet.h>
 #include <cstring>
 
 #include "common/runtime/event_waiter.hpp"
@@ -9,11 +8,6 @@
 #include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
-namespace {
-
-UdpAddress loopback() { return {htonl(INADDR_LOOPBACK), 0}; }
-
-}  // namespace
 
 std::vector<double> TrafficWay::delays_s() const {
     std::vector<double> delays;
@@ -23,8 +17,8 @@ std::vector<double> TrafficWay::delays_s() const {
     return delays;
 }
 
-SelftestTraffic::SelftestTraffic(std::size_t packets, Duration drain)
-    : packets_(packets), drain_(drain), server_(UdpSocket::listening(loopback())) {
+SelftestTraffic::SelftestTraffic(std::size_t packets, Duration drain, int server)
+    : packets_(packets), drain_(drain), server_(server) {
     for (TrafficWay& way : ways_) {
         way.sent.reserve(2 * packets);
         way.arrived.reserve(2 * packets);
@@ -36,14 +30,12 @@ SelftestTraffic::~SelftestTraffic() {
     if (thread_.joinable()) thread_.join();
 }
 
-UdpAddress SelftestTraffic::address() const { return server_.local(); }
-
 void SelftestTraffic::launch() {
     thread_ = std::thread([this] { run(); });
 }
 
-void SelftestTraffic::start(const UdpAddress& relay) {
-    relay_ = relay;
+void SelftestTraffic::start(int client) {
+    client_ = client;
     started_ = true;
 }
 
@@ -51,10 +43,9 @@ void SelftestTraffic::run() {
     block_signals();
     while (!started_ && !abandoned_) wall_sleep(std::chrono::milliseconds{1});
     if (abandoned_) return;
-    client_ = UdpSocket::connected(relay_);
     EventWaiter waiter(false);
-    waiter.add(server_.descriptor(), static_cast<std::uint64_t>(RelayDirection::kUp));
-    waiter.add(client_.descriptor(), static_cast<std::uint64_t>(RelayDirection::kDown));
+    waiter.add(server_, static_cast<std::uint64_t>(RelayDirection::kUp));
+    waiter.add(client_, static_cast<std::uint64_t>(RelayDirection::kDown));
     std::array<epoll_event, 2> room{};
     SessionTime next = wall_now() + kTrafficPeriod;
     SessionTime end = kNever;
@@ -65,7 +56,7 @@ void SelftestTraffic::run() {
         if (wall_now() < next) continue;
         next += kTrafficPeriod;
         const std::vector<SessionTime>& sent = way(RelayDirection::kUp).sent;
-        if (sent.size() < packets_) send(RelayDirection::kUp, client_.descriptor(), nullptr);
+        if (sent.size() < packets_) send(RelayDirection::kUp, client_, nullptr);
         if (sent.size() == packets_ && end == kNever) end = wall_now() + drain_;
     }
     finished_ = true;
@@ -83,7 +74,7 @@ void SelftestTraffic::send(RelayDirection direction, int socket, const UdpAddres
 
 void SelftestTraffic::receive(RelayDirection direction) {
     const bool at_server = direction == RelayDirection::kUp;
-    const std::size_t count = arrivals_.receive((at_server ? server_ : client_).descriptor());
+    const std::size_t count = arrivals_.receive(at_server ? server_ : client_);
     const SessionTime now = wall_now();
     TrafficWay& arrivals = way(direction);
     for (std::size_t i = 0; i < count; ++i) {
@@ -96,7 +87,7 @@ void SelftestTraffic::receive(RelayDirection direction) {
         } else if (arrivals.arrived[number] == SessionTime{}) {  // else a second copy
             arrivals.arrived[number] = stamps_.to_session(datagram.stamp_realtime_ns, now);
         }
-        if (at_server) send(RelayDirection::kDown, server_.descriptor(), &datagram.from);
+        if (at_server) send(RelayDirection::kDown, server_, &datagram.from);
     }
 }
 

@@ -31,14 +31,13 @@ inline constexpr Duration kTrafficPeriod = std::chrono::milliseconds{1};
 
 class SelftestTraffic : boost::noncopyable {
   public:
-    // Makes the server's socket; the relay's `to` is address(). `drain`: how long to wait for the last answers.
-    SelftestTraffic(std::size_t packets, Duration drain);
+    // `server`: a socket that stamps what comes. `drain`: how long to wait for the last answers.
+    SelftestTraffic(std::size_t packets, Duration drain, int server);
     ~SelftestTraffic();
 
-    UdpAddress address() const;
     // In a thread with the scheduling that the caller has now; waits for start().
     void launch();
-    void start(const UdpAddress& relay);  // where the relay listens
+    void start(int client);  // a socket that is connected to the server
     bool finished() const { return finished_; }
     // Once finished.
     TrafficWay& way(RelayDirection direction) { return ways_[static_cast<std::size_t>(direction)]; }
@@ -50,8 +49,7 @@ class SelftestTraffic : boost::noncopyable {
 
     std::size_t packets_;
     Duration drain_;
-    UdpSocket server_, client_;
-    UdpAddress relay_;
+    int server_, client_ = -1;
     std::array<TrafficWay, 2> ways_;
     ReceiveBatch arrivals_;
     SendBatch out_;

@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "netem/link_model.hpp"
+
 namespace thimble {
 namespace {
 

@@ -15,8 +15,6 @@ enum class IpKind : std::uint8_t {
     kGarbage,  // no IP packet, or one that is cut
 };
 
-inline constexpr std::uint8_t kCongestionExperienced = 3;  // both ECN bits
-
 struct IpPacket {
     IpKind kind = IpKind::kGarbage;
     bool v6 = false;

@@ -65,7 +65,7 @@ PacketRelay::PacketRelay(const PacketRelaySettings& settings, PacketSink* log, i
     ports_.insert(ports_.end(), settings.outer.begin(), settings.outer.end());
     stamps_.reserve(ports_.size());
     for (const PacketPort& port : ports_) stamps_.push_back(std::make_unique<DeviceStamps>(port.stamps));
-    bool added = waiter_.add(wake, kWakeTag);
+    bool added = wake < 0 || waiter_.add(wake, kWakeTag);
     for (std::size_t i = 0; i < ports_.size(); ++i) added = waiter_.add(ports_[i].descriptor, i) && added;
     if (!added) throw Error(ExitCode::kRunFailed, "cannot wait for packets: too many open files?");
     for (std::size_t d = 0; log_ != nullptr && d < 2; ++d) {

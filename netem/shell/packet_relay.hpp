@@ -58,7 +58,7 @@ struct StageTotals {
 
 class PacketRelay final : public SteeredRelay {
   public:
-    // `log` may be null and must outlive the relay. `wake`: a descriptor that ends a step when it is readable.
+    // `log` may be null and must outlive the relay. `wake`: a descriptor that ends a step when it is readable; -1: none.
     // Throws Error (run failed).
     PacketRelay(const PacketRelaySettings& settings, PacketSink* log, int wake);
     ~PacketRelay() override;
@@ -67,6 +67,7 @@ class PacketRelay final : public SteeredRelay {
     void step(SessionTime latest);
     void change(SessionTime now, const LinkPair& links) override;
     RelayState state(SessionTime now) const override;
+    SessionTime start() const { return start_; }
     const PortTotals& ports() const { return port_totals_; }
     bool empty() const { return links_[0].in_flight() + links_[1].in_flight() == 0; }
     const StageTotals& stages(RelayDirection direction) const {

@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "common/error.hpp"
+#include "common/runtime/udp_socket.hpp"
 #include "netem/shell/device_stamps.hpp"
 
 namespace thimble {
@@ -30,12 +31,13 @@ struct Note {
     char kind = 0;  // 'd' device, 'e' error, 's' start; 0: the other side has closed
     std::uint8_t number = 0;
     std::string text{};
-    std::array<int, 2> descriptors{-1, -1};  // both or none
+    std::array<int, 3> descriptors{-1, -1, -1};  // all or none
 };
 
+constexpr std::size_t kDescriptorBytes = sizeof Note::descriptors;
 union DescriptorSpace {
     cmsghdr head;
-    std::array<char, CMSG_SPACE(2 * sizeof(int))> bytes;
+    std::array<char, CMSG_SPACE(kDescriptorBytes)> bytes;
 };
 
 void send_note(int line, const Note& note) {
@@ -52,8 +54,8 @@ void send_note(int line, const Note& note) {
         cmsghdr* head = CMSG_FIRSTHDR(&message);
         head->cmsg_level = SOL_SOCKET;
         head->cmsg_type = SCM_RIGHTS;
-        head->cmsg_len = CMSG_LEN(2 * sizeof(int));
-        std::memcpy(CMSG_DATA(head), note.descriptors.data(), 2 * sizeof(int));
+        head->cmsg_len = CMSG_LEN(kDescriptorBytes);
+        std::memcpy(CMSG_DATA(head), note.descriptors.data(), kDescriptorBytes);
     }
     sendmsg(line, &message, MSG_NOSIGNAL);
 }
@@ -72,7 +74,7 @@ Note read_note(int line) {
     Note note{words[0], static_cast<std::uint8_t>(words[1]),
               std::string(words.data() + 2, static_cast<std::size_t>(size) - 2)};
     if (const cmsghdr* head = CMSG_FIRSTHDR(&message); head != nullptr && head->cmsg_type == SCM_RIGHTS)
-        std::memcpy(note.descriptors.data(), CMSG_DATA(head), 2 * sizeof(int));
+        std::memcpy(note.descriptors.data(), CMSG_DATA(head), kDescriptorBytes);
     return note;
 }
 
@@ -89,8 +91,8 @@ void enter_namespaces() {
     const uid_t user = geteuid();
     const gid_t group = getegid();
     if (unshare(CLONE_NEWUSER | kOwn) != 0) {
-        throw Error(ExitCode::kNetwork, "cannot make a network namespace: {}; {}", std::strerror(errno),
-                    namespace_remedy());
+        const std::string why = std::strerror(errno);
+        throw Error(ExitCode::kNetwork, "cannot make a network namespace: {}; {}", why, namespace_remedy());
     }
     write_map("/proc/self/setgroups", "deny");
     if (!write_map("/proc/self/uid_map", fmt::format("{0} {0} 1", user)) ||
@@ -153,11 +155,13 @@ void live_in_room(const RoomSettings& settings, int line) {
     configure_namespace();
     const bool has_ip6 = configure_tun(kDeviceName, settings.addresses, true);
     if (!settings.name_server.empty()) name_server_is(settings.name_server);
-    // Without a stamp socket the device stands in its place: both descriptors are there.
+    // What is not there has the device in its place: all descriptors are there.
     const int stamps = open_stamp_socket(kDeviceName);
+    const UdpSocket own = settings.command.empty() ? UdpSocket::listening({}) : UdpSocket();
     send_note(line, {.kind = 'd',
                      .number = static_cast<std::uint8_t>(has_ip6),
-                     .descriptors = {device, stamps < 0 ? device : stamps}});
+                     .descriptors = {device, stamps < 0 ? device : stamps,
+                                     own.descriptor() < 0 ? device : own.descriptor()}});
     const Note start = read_note(line);
     if (start.kind != 's') return;
     take_environment(start.text);
@@ -200,6 +204,7 @@ ProgramRoom::ProgramRoom(const RoomSettings& settings) {
 ProgramRoom::~ProgramRoom() {
     close(device_);
     close(stamps_);
+    close(socket_);
     if (line_ >= 0) close(line_);
 }
 
@@ -210,6 +215,7 @@ void ProgramRoom::hear_of_device() {
         throw Error(ExitCode::kRunFailed, "the process that makes the namespace has ended");
     device_ = note.descriptors[0];
     stamps_ = note.descriptors[1];
+    socket_ = note.descriptors[2];
     has_ip6_ = note.number != 0;
 }
 

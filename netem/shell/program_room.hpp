@@ -14,7 +14,7 @@
 namespace thimble {
 
 struct RoomSettings {
-    std::vector<std::string> command;
+    std::vector<std::string> command{};  // empty: no program, but a UDP socket for this process
     std::vector<TunAddress> addresses;
     std::string name_server{};  // written to the room's own /etc/resolv.conf; empty: as outside
     bool own_input = true;      // reads this program's standard input; otherwise nothing
@@ -32,6 +32,7 @@ class ProgramRoom : boost::noncopyable {
 
     int device() const { return device_; }
     int stamps() const { return stamps_; }  // open_stamp_socket() of the device
+    int socket() const { return socket_; }  // without a program: listens on all IPv4 addresses of the room
     bool has_ip6() const { return has_ip6_; }
     pid_t pid() const { return pid_; }
     void start(const Environment& environment);
@@ -40,7 +41,7 @@ class ProgramRoom : boost::noncopyable {
     void hear_of_device();
 
     pid_t pid_ = -1;
-    int line_ = -1, device_ = -1, stamps_ = -1;
+    int line_ = -1, device_ = -1, stamps_ = -1, socket_ = -1;
     bool has_ip6_ = false;
 };
 

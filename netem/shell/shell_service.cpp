@@ -31,10 +31,6 @@ std::vector<std::unique_ptr<ProgramRoom>> make_rooms(const std::vector<RoomSetti
     return rooms;
 }
 
-TunAddress pair_address(std::size_t i) {
-    return {fmt::format("10.77.0.{}", i + 1), fmt::format("fd77::{}", i + 1), 24, 64};
-}
-
 Environment pair_environment(std::size_t i, bool has_ip6) {
     const TunAddress own = pair_address(i), peer = pair_address(1 - i);
     Environment environment{{"THIMBLE_HOST", peer.ip4}, {"THIMBLE_OWN", own.ip4}};
@@ -156,6 +152,10 @@ ShellResult run_two(const ShellSettings& settings, SignalLine& signals) {
 }
 
 }  // namespace
+
+TunAddress pair_address(std::size_t i) {
+    return {fmt::format("10.77.0.{}", i + 1), fmt::format("fd77::{}", i + 1), 24, 64};
+}
 
 ShellResult run_shell(const ShellSettings& settings) {
     SignalLine signals;

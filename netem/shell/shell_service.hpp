@@ -9,6 +9,7 @@
 
 #include "common/runtime/runtime_settings.hpp"
 #include "netem/relay/relay_settings.hpp"
+#include "netem/shell/tun_device.hpp"
 
 namespace thimble {
 
@@ -26,6 +27,9 @@ struct ShellResult {
     int exit_code = 0;              // of the program; of a pair the first that is not 0
     nlohmann::ordered_json report;  // relay_report.hpp, and "shell"
 };
+
+// Of the first and the second program of a pair.
+TunAddress pair_address(std::size_t i);
 
 // Throws Error: network, with what to switch on, usage for a program that is not there, data for the log.
 ShellResult run_shell(const ShellSettings& settings);

@@ -56,11 +56,11 @@ Verdict check_words(std::string_view text) {
     const auto no_tables = [](std::string_view) -> std::shared_ptr<const JitterTable> {
         throw Error(ExitCode::kUsage, "tc words: no tables here");
     };
-    const LinkSettings link = parse_tc_words(text, no_tables).link;
+    const LinkSettings link = parse_tc(text, no_tables).up;
     std::string flaw = flaw_of_link(link);
     if (flaw.empty()) flaw = flaw_of_model(link);
     const TcCommands printed = print_tc(link, "eth0");
-    LinkSettings again = parse_tc_words(printed.words, no_tables).link;
+    LinkSettings again = parse_tc(printed.words, no_tables).up;
     again.in_order = link.in_order;  // "unordered" is no word of tc's
     if (flaw.empty() && !(again == link)) flaw = "changes when printed and read again: " + printed.words;
     return {true, flaw};

@@ -2,6 +2,7 @@
 #include <csignal>
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/loopback/shell/shell_rig.hpp"
 
@@ -65,6 +66,20 @@ TEST_F(PairProgram, DdsFindsItsPeer) {
     const std::size_t least = result.output.find(" min ");
     ASSERT_NE(least, std::string::npos) << result.output;
     EXPECT_GE(std::stod(result.output.substr(least + 5)), 20'000) << result.output;
+}
+
+// Two pages of headless browsers, and a data channel between them. Only the first side serves the page.
+TEST_F(PairProgram, PagesTalkOverWebRtc) {
+    THIMBLE_NEEDS("chromium", "chromium");
+    THIMBLE_NEEDS("python3", "python3-minimal");
+    const std::string page = "exec python3 -B " THIMBLE_WEB_RTC " ";
+    const ProgramResult result =
+        netem("pair --link delay_s=0.02", {page + "first", "sleep 0.5; " + page + "second"});
+    ASSERT_EQ(result.exit_code, 0) << result.output;
+    const auto found = nlohmann::json::parse(result.output.substr(result.output.find('{')), nullptr, false);
+    ASSERT_TRUE(found.is_object()) << result.output;
+    EXPECT_GE(found.at("least_ms"), 40);
+    EXPECT_EQ(found.at("candidates"), nlohmann::json({"host", "host"}));
 }
 
 }  // namespace

@@ -141,6 +141,25 @@ TEST_F(ShellProgram, ObeysSetWhileItRuns) {
     EXPECT_EQ(child.wait(kPatience), 0);
 }
 
+TEST_F(ShellProgram, TestsItself) {
+    const ProgramResult test = run_program(
+        netem_program(),
+        words_in(
+            "shell --selftest --seconds 1 --json --link delay_s=0.02 loss=0.05 corrupt=0.05 duplicate=0.05 "
+            "jitter=uniform jitter_spread_s=0.005"),
+        folder_ / "", "build it");
+    ASSERT_TRUE(test.exit_code == 0 || test.exit_code == 1) << test.output;
+    const auto result = nlohmann::json::parse(test.output.substr(test.output.find('{')));
+    EXPECT_EQ(result.at("verdict") == "FAIL", test.exit_code == 1);
+    for (const char* direction : {"up", "down"}) {
+        EXPECT_EQ(result.at(direction).at("early"), 0) << direction;
+        EXPECT_EQ(result.at(direction).at("other_fates"), 0) << direction;
+        EXPECT_GT(result.at(direction).at("dropped_as_asked"), 0) << direction;
+        EXPECT_GT(result.at(direction).at("arrived"), 100) << direction;
+    }
+    EXPECT_EQ(netem("shell --selftest", {"true"}).exit_code, 2);
+}
+
 TEST_F(ShellProgram, RefusesAFolderThatIsTooLongForASocket) {
     const std::filesystem::path longest = folder_ / std::string(100, 'x');
     std::filesystem::create_directory(longest);
@@ -160,6 +179,22 @@ TEST_F(ShellProgram, SaysWhatToSwitchOn) {
         GTEST_SKIP() << "no mount namespaces here: " << result.output;
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_THAT(result.output, HasSubstr("modprobe tun"));
+}
+
+// In a user namespace of its own, whose limit nobody else has. Without that right its root is as any user.
+TEST_F(ShellProgram, NamesTheSysctlThatForbidsNamespaces) {
+    THIMBLE_NEEDS("setpriv", "util-linux");
+    const std::string limited =
+        "echo 0 > /proc/sys/user/max_user_namespaces || exit 77; exec setpriv "
+        "--bounding-set -sys_admin " +
+        netem_program() + " pair -- true -- true";
+    const ProgramResult result =
+        run_program("unshare", {"-Ur", "sh", "-c", limited}, folder_ / "", "install it");
+    if (result.exit_code == 1 || result.exit_code == 77)
+        GTEST_SKIP() << "no user namespace with a limit of its own here: " << result.output;
+    EXPECT_EQ(result.exit_code, 3) << result.output;
+    EXPECT_THAT(result.output, HasSubstr("No space left on device"));  // as the kernel calls that limit
+    EXPECT_THAT(result.output, HasSubstr("sysctl -w user.max_user_namespaces=10000"));
 }
 
 }  // namespace

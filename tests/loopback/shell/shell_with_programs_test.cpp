@@ -79,24 +79,71 @@ TEST_F(ShellWithPrograms, DigAsksANameServer) {
 }
 
 // A key and a daemon of the test's own, on a port of its own.
-TEST_F(ShellWithPrograms, SshRunsACommand) {
-    THIMBLE_NEEDS("sshd", "openssh-server");
-    if (getuid() == 0) std::filesystem::create_directories("/run/sshd");
-    const PortBlock ports;
-    const std::string port = std::to_string(ports.base());
-    const std::string keys = "ssh-keygen -q -t ed25519 -N '' -f host && ssh-keygen -q -t ed25519 -N '' -f me";
-    ASSERT_EQ(run_program("sh", {"-c", keys}, folder_ / "", "install it").exit_code, 0);
-    const std::string server =
-        "exec /usr/sbin/sshd -D -f /dev/null -h $PWD/host -p " + port +
-        " -o AuthorizedKeysFile=$PWD/me.pub -o StrictModes=no -o UsePAM=no -o PidFile=none";
-    Child daemon("sh", {"-c", server}, folder_ / "daemon", {}, {.directory = folder_ / ""});
-    const ProgramResult result =
-        netem("shell --link delay_s=0.005", {"ssh -F /dev/null -i me -p " + port +
-                                             " -o StrictHostKeyChecking=no -o UserKnownHostsFile=/dev/null "
-                                             "-o BatchMode=yes -o ConnectionAttempts=20 " +
-                                             "$(id -un)@$THIMBLE_HOST 'echo over $((40 + 2)); exit 5'"});
+struct ShellWithSsh : ShellWithPrograms {
+    void SetUp() override {
+        ShellWithPrograms::SetUp();
+        if (IsSkipped()) return;
+        THIMBLE_NEEDS("sshd", "openssh-server");
+        if (getuid() == 0) std::filesystem::create_directories("/run/sshd");
+        const std::string keys =
+            "ssh-keygen -q -t ed25519 -N '' -f host && ssh-keygen -q -t ed25519 -N '' -f me";
+        ASSERT_EQ(run_program("sh", {"-c", keys}, folder_ / "", "install it").exit_code, 0);
+    }
+    std::string daemon() const {
+        return "exec /usr/sbin/sshd -D -f /dev/null -h $PWD/host -p " + port_ +
+               " -o AuthorizedKeysFile=$PWD/me.pub -o StrictModes=no -o UsePAM=no -o PidFile=none";
+    }
+    std::string ssh() const {
+        return "ssh -F /dev/null -i me -p " + port_ +
+               " -o StrictHostKeyChecking=no -o UserKnownHostsFile=/dev/null -o BatchMode=yes "
+               "-o ConnectionAttempts=20";
+    }
+
+  private:
+    PortBlock ports_;
+    std::string port_ = std::to_string(ports_.base());
+};
+
+TEST_F(ShellWithSsh, SshRunsACommand) {
+    Child server("sh", {"-c", daemon()}, folder_ / "daemon", {}, {.directory = folder_ / ""});
+    const ProgramResult result = netem("shell --link delay_s=0.005",
+                                       {ssh() + " $(id -un)@$THIMBLE_HOST 'echo over $((40 + 2)); exit 5'"});
     EXPECT_EQ(result.exit_code, 5) << result.output << read_text(folder_ / "daemon");
     EXPECT_THAT(result.output, HasSubstr("over 42"));
+}
+
+// ssh starts its server, and then both speak UDP. Its client needs a terminal that has a size.
+TEST_F(ShellWithSsh, MoshShowsACommand) {
+    THIMBLE_NEEDS("mosh", "mosh");
+    static_cast<void>(folder_.write(
+        "mosh.sh", "stty rows 24 cols 80\nmosh --ssh='" + ssh() +
+                       "' $(id -un)@$THIMBLE_HOST -- sh -c 'echo over $((40 + 2)); sleep 0.3'\n"));
+    const ProgramResult result =
+        netem("pair --link delay_s=0.005 loss=0.02",
+              {daemon(), "export TERM=xterm LC_ALL=C.UTF-8; script -qec 'sh mosh.sh' /dev/null"});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_THAT(result.output, HasSubstr("over 42"));
+}
+
+TEST_F(ShellWithPrograms, QuicFetchesAPage) {
+    THIMBLE_NEEDS("gtlsclient", "ngtcp2-client");
+    THIMBLE_NEEDS("gtlsserver", "ngtcp2-server");
+    const std::string certificate =
+        "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN=localhost -keyout "
+        "key "
+        "-out certificate -days 2";
+    ASSERT_EQ(run_program("sh", {"-c", certificate}, folder_ / "", "install openssl").exit_code, 0);
+    const std::string page(200'000, 'x');
+    static_cast<void>(folder_.write("page", page));
+    std::filesystem::create_directory(folder_ / "got");
+    const ProgramResult result =
+        netem("pair --link delay_s=0.005 loss=0.02",
+              {"exec gtlsserver -q -d . 0.0.0.0 4433 key certificate",
+               "for i in 1 2 3 4 5; do gtlsclient -q --exit-on-all-streams-close --handshake-timeout=3s "
+               "--download=got $THIMBLE_HOST 4433 https://localhost/page && [ -s got/page ] && exit; "
+               "sleep 0.3; done; exit 1"});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_EQ(read_text(folder_ / "got" / "page"), page);
 }
 
 TEST_F(ShellWithPrograms, IperfHasTheRateBothWays) {

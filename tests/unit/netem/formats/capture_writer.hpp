@@ -12,6 +12,8 @@ struct FrameOptions {
     std::size_t padding = 0;
     std::uint8_t protocol = 17;
     bool fragment = false;
+    bool v6 = false;
+    bool options = false;  // of IPv6, before the datagram
 };
 
 class CaptureWriter {
@@ -22,7 +24,8 @@ class CaptureWriter {
 
     void udp(std::int64_t stamp_ns, std::uint16_t from, std::uint16_t to, std::string_view payload,
              const FrameOptions& options = {}) {
-        std::string frame = link_header(options) + ip_header(payload.size(), options);
+        std::string frame = link_header(options);
+        frame += options.v6 ? ip6_header(payload.size(), options) : ip_header(payload.size(), options);
         for (const std::size_t half :
              {std::size_t{from}, std::size_t{to}, payload.size() + 8, std::size_t{0}}) {
             put16(frame, half);
@@ -47,16 +50,16 @@ class CaptureWriter {
         for (unsigned i = 0; i < 4; ++i) bytes_ += static_cast<char>(value >> 8 * i & 255);
     }
     std::string link_header(const FrameOptions& options) const {
+        const std::string type(options.v6 ? "\x86\xdd" : "\x08\x00", 2);
         switch (link_type_) {
             case 0:
-                return {2, 0, 0, 0};
+                return {static_cast<char>(options.v6 ? 10 : 2), 0, 0, 0};
             case 1:
-                return std::string(12, '\x02') + std::string("\x81\x00\x00\x05", options.vlan ? 4 : 0) +
-                       std::string("\x08\x00", 2);
+                return std::string(12, '\x02') + std::string("\x81\x00\x00\x05", options.vlan ? 4 : 0) + type;
             case 113:
-                return std::string(14, '\0') + std::string("\x08\x00", 2);
+                return std::string(14, '\0') + type;
             case 276:
-                return std::string("\x08\x00", 2) + std::string(18, '\0');
+                return type + std::string(18, '\0');
             default:
                 return {};
         }
@@ -69,6 +72,17 @@ class CaptureWriter {
         header += static_cast<char>(64);
         header += static_cast<char>(options.protocol);
         return header + std::string(10, '\x01');
+    }
+    static std::string ip6_header(std::size_t payload, const FrameOptions& options) {
+        const auto protocol = static_cast<char>(options.protocol);
+        const char inner = options.fragment ? char{44} : protocol;
+        std::string more;
+        if (options.options) more += std::string{inner, 0, 1, 4, 0, 0, 0, 0};
+        if (options.fragment) more += std::string{protocol, 0, 0, 1, 0, 0, 0, 7};
+        std::string header("\x60\x00\x00\x00", 4);
+        put16(header, payload + 8 + more.size());
+        header += std::string{options.options ? char{60} : inner, 64};
+        return header + std::string(32, '\x01') + more;
     }
 
     std::uint32_t link_type_;

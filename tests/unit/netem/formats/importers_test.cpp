@@ -168,14 +168,30 @@ TEST(Ping, Refusals) {
 TEST(Capture, EveryLink) {
     for (const std::uint32_t link : {0U, 1U, 101U, 113U, 276U}) {
         CaptureWriter writer(link);
-        writer.udp(1'700'000'000'123'456'000, 5000, 9000, "needle");
+        for (const bool v6 : {false, true})
+            writer.udp(1'700'000'000'123'456'000, 5000, 9000, "needle", {.v6 = v6});
         const Capture capture = parse_capture(writer.bytes(), "a.pcap");
-        ASSERT_EQ(capture.datagrams.size(), 1U) << link;
-        EXPECT_EQ(capture.datagrams[0].stamp_ns, 1'700'000'000'123'456'000);
-        EXPECT_EQ(capture.datagrams[0].to_port, 9000);
-        EXPECT_EQ(capture.datagrams[0].payload_bytes, 6U);
-        EXPECT_FALSE(capture.datagrams[0].cut);
+        ASSERT_EQ(capture.datagrams.size(), 2U) << link;
+        for (const CapturedDatagram& datagram : capture.datagrams) {
+            EXPECT_EQ(datagram.stamp_ns, 1'700'000'000'123'456'000);
+            EXPECT_EQ(datagram.to_port, 9000);
+            EXPECT_EQ(datagram.payload_bytes, 6U);
+            EXPECT_EQ(datagram.payload_hash, capture.datagrams[0].payload_hash);
+            EXPECT_FALSE(datagram.cut);
+        }
     }
+}
+
+TEST(Capture, Ip6HasHeadersBeforeTheDatagram) {
+    CaptureWriter writer(1);
+    writer.udp(0, 1, 2, "a", {.v6 = true, .options = true});
+    writer.udp(1, 1, 2, "a", {.fragment = true, .v6 = true, .options = true});
+    writer.udp(2, 1, 2, "a", {.protocol = 6, .v6 = true, .options = true});
+    const Capture capture = parse_capture(writer.bytes(), "a");
+    ASSERT_EQ(capture.datagrams.size(), 1U);
+    EXPECT_EQ(capture.datagrams[0].payload_bytes, 1U);
+    EXPECT_EQ(capture.fragments, 1U);
+    EXPECT_EQ(capture.others, 1U);
 }
 
 TEST(Capture, PaddingVlanOthersAndAKilledCapture) {

@@ -109,7 +109,7 @@ TEST(Profiles, UnknownNamesAreAnsweredWithThoseThereAre) {
 
 TEST(Profiles, TcsWordsAreTheWayUp) {
     const LinkProfile profile = load_profile("delay 50ms 10ms duplicate 1% 20%");
-    EXPECT_EQ(profile.up, parse_tc_words("delay 50ms 10ms duplicate 1%").link);
+    EXPECT_EQ(profile.up, parse_tc("delay 50ms 10ms duplicate 1%").up);
     EXPECT_EQ(profile.down, LinkSettings{});
     EXPECT_THAT(profile.notes, testing::ElementsAre(HasSubstr("duplicate"), HasSubstr("the way up only")));
 }

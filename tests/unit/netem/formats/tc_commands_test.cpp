@@ -26,6 +26,14 @@ TEST(TcCommands, AQdiscIsTheWayUpUnlessItSaysBoth) {
     EXPECT_EQ(one.down, LinkSettings{});
     EXPECT_TRUE(one.one_way);
     EXPECT_THAT(one.notes, Contains(HasSubstr("add `both`")));
+    for (const Way known : {Way::kUp, Way::kDown}) {
+        const TcWays said = parse_tc("tc qdisc add dev ifb0 root netem delay 100ms", known);
+        EXPECT_EQ((known == Way::kUp ? said.up : said.down).delay, milliseconds{100});
+        EXPECT_EQ(known == Way::kUp ? said.down : said.up, LinkSettings{});
+        EXPECT_TRUE(said.notes.empty());
+    }
+    EXPECT_THAT(refusal([] { parse_tc("delay 1ms both", Way::kUp); }, ExitCode::kUsage),
+                HasSubstr("`both` contradicts"));
     const TcWays both = parse_tc("delay 100ms both");
     EXPECT_EQ(both.up, both.down);
     EXPECT_FALSE(both.one_way);

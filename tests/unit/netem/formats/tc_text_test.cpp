@@ -20,10 +20,10 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-LinkSettings parsed_words(std::string_view words) { return parse_tc_words(words).link; }
+LinkSettings parsed_words(std::string_view words) { return parse_tc(words).up; }
 
 std::string tc_refusal_of(std::string_view words) {
-    return refusal([&] { parse_tc_words(words); }, ExitCode::kUsage);
+    return refusal([&] { parse_tc(words); }, ExitCode::kUsage);
 }
 
 TEST(TcWords, DelayHasTheUnitsOfTc) {
@@ -65,13 +65,13 @@ TEST(TcWords, DistributionsByName) {
     EXPECT_EQ(parsed_words("delay 50ms 10ms dist paretonormal").jitter.shape, JitterShape::kParetoNormal);
     EXPECT_EQ(parsed_words("delay 50ms 10ms distribution uniform").jitter.shape, JitterShape::kUniform);
     std::string asked;
-    const TcLink link = parse_tc_words("delay 50ms 10ms distribution mine", [&](std::string_view name) {
+    const TcWays link = parse_tc("delay 50ms 10ms distribution mine", [&](std::string_view name) {
         asked = name;
         return std::make_shared<const JitterTable>(std::vector<double>{-1, 1});
     });
     EXPECT_EQ(asked, "mine");
-    EXPECT_EQ(link.link.jitter.shape, JitterShape::kTable);
-    EXPECT_TRUE(link.link.jitter.table);
+    EXPECT_EQ(link.up.jitter.shape, JitterShape::kTable);
+    EXPECT_TRUE(link.up.jitter.table);
 }
 
 TEST(TcWords, LossModelsWithTcsDefaults) {
@@ -93,36 +93,36 @@ TEST(TcWords, LossModelsWithTcsDefaults) {
 }
 
 TEST(TcWords, CorrelatedLossKeepsItsShare) {
-    const TcLink link = parse_tc_words("loss 1% 25%");
-    EXPECT_EQ(link.link.loss.shape, LossShape::kGilbertElliott);
-    EXPECT_DOUBLE_EQ(stationary_loss(link.link.loss), 0.01);
-    EXPECT_NEAR(1 - link.link.loss.good_to_bad - link.link.loss.bad_to_good, 0.25, 1e-12);
+    const TcWays link = parse_tc("loss 1% 25%");
+    EXPECT_EQ(link.up.loss.shape, LossShape::kGilbertElliott);
+    EXPECT_DOUBLE_EQ(stationary_loss(link.up.loss), 0.01);
+    EXPECT_NEAR(1 - link.up.loss.good_to_bad - link.up.loss.bad_to_good, 0.25, 1e-12);
     EXPECT_THAT(link.notes, Contains(HasSubstr("Gilbert")));
 }
 
 TEST(TcWords, TheRest) {
-    const TcLink all = parse_tc_words(
+    const TcWays all = parse_tc(
         "delay 50ms duplicate 1% corrupt 0.1% reorder 25% 50% gap 5 rate 1mbit 20 limit 1000 slot 800us 10ms "
         "packets "
         "42 bytes 64k");
-    EXPECT_EQ(all.link.duplicate, 0.01);
-    EXPECT_EQ(all.link.corrupt, 0.001);
-    EXPECT_EQ(all.link.corrupt_bits, 1U);
-    EXPECT_EQ(all.link.reorder, 0.25);
-    EXPECT_EQ(all.link.reorder_gap, 5U);
-    EXPECT_FALSE(all.link.in_order);
-    EXPECT_EQ(all.link.rate.bits_per_s, 1e6);
-    EXPECT_EQ(all.link.rate.overhead_bytes, 20U);
-    EXPECT_EQ(all.link.capacity, 1000U);
+    EXPECT_EQ(all.up.duplicate, 0.01);
+    EXPECT_EQ(all.up.corrupt, 0.001);
+    EXPECT_EQ(all.up.corrupt_bits, 1U);
+    EXPECT_EQ(all.up.reorder, 0.25);
+    EXPECT_EQ(all.up.reorder_gap, 5U);
+    EXPECT_FALSE(all.up.in_order);
+    EXPECT_EQ(all.up.rate.bits_per_s, 1e6);
+    EXPECT_EQ(all.up.rate.overhead_bytes, 20U);
+    EXPECT_EQ(all.up.capacity, 1000U);
     EXPECT_EQ(parsed_words("rate 5kbit 20 100 5").rate, (RateSettings{5e3, 20, 0, 0, Drop::kTail, 100, 5}));
     EXPECT_EQ(parsed_words("slot distribution paretonormal 5ms 2ms bytes 64k").slot,
               (SlotSettings{milliseconds{3}, milliseconds{7}, 0, 65536, JitterShape::kParetoNormal}));
     EXPECT_TRUE(parsed_words("loss 1% ecn").ecn);
-    EXPECT_EQ(parse_tc_words("loss 1% seed 7").seed, 7U);
-    EXPECT_EQ(all.link.slot, (SlotSettings{microseconds{800}, milliseconds{10}, 42, 65536}));
+    EXPECT_EQ(parse_tc("loss 1% seed 7").seed, 7U);
+    EXPECT_EQ(all.up.slot, (SlotSettings{microseconds{800}, milliseconds{10}, 42, 65536}));
     EXPECT_THAT(all.notes,
                 testing::ElementsAre(HasSubstr("reorder: the correlation of 50%"), HasSubstr("way up only")));
-    EXPECT_THAT(parse_tc_words("duplicate 1% 0% corrupt 1% 0% both").notes, IsEmpty());
+    EXPECT_THAT(parse_tc("duplicate 1% 0% corrupt 1% 0% both").notes, IsEmpty());
 }
 
 TEST(TcWords, TheQueueHoldsWhatTheDelayNeeds) {

@@ -1,0 +1,72 @@
+#include "netem/commands/network_options.hpp"
+
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/json_text.hpp"
+#include "netem/profiles/profiles.hpp"
+#include "netem/relay/control_text.hpp"
+
+namespace thimble {
+namespace {
+
+void take_words(LinkSettings& link, Way way, const std::string& words, std::uint64_t& seed) {
+    if (words.empty()) return;
+    TcWays read = parse_tc(words, way);
+    for (const std::string& note : read.notes) spdlog::info(note);
+    link = std::move(way == Way::kUp ? read.up : read.down);
+    seed = read.seed.value_or(seed);
+}
+
+}  // namespace
+
+void add_network_options(CLI::App& app, NetworkOptions& options) {
+    app.add_option("-p,--profile", options.profile,
+                   "the network: a name (" + fmt::format("{}", fmt::join(profile_names(), ", ")) +
+                       "), a TOML file, or tc's words in quotes")
+        ->type_name("NAME|FILE|WORDS");
+    app.add_option(
+           "--link", options.link,
+           "single settings on top of it, e.g. up.delay_s=0.05 loss=0.01; both ways without up. or down.")
+        ->type_name("KEY=VALUE");
+    app.add_option("--seed", options.seed,
+                   "the same seed gives each packet the same fate; 1, or that of tc's words");
+}
+
+Network read_network(const NetworkOptions& options) {
+    Network network;
+    if (!options.profile.empty()) {
+        LinkProfile profile = load_profile(options.profile);
+        for (const std::string& note : profile.notes) spdlog::info(note);
+        network.links = {std::move(profile.up), std::move(profile.down)};
+        network.timelines = {std::move(profile.up_changes), std::move(profile.down_changes)};
+        network.seed = profile.seed.value_or(network.seed);
+    }
+    take_words(network.links.up, Way::kUp, options.uplink, network.seed);
+    take_words(network.links.down, Way::kDown, options.downlink, network.seed);
+    network.seed = options.seed.value_or(network.seed);
+    network.links = assign(network.links, options.link);
+    return network;
+}
+
+SelftestSettings selftest_settings(const NetworkOptions& options, double length_s) {
+    Network network = read_network(options);
+    SelftestSettings settings;
+    settings.links = std::move(network.links);
+    settings.timelines = std::move(network.timelines);
+    settings.seed = network.seed;
+    if (length_s > 0) settings.length = from_seconds(length_s);
+    return settings;
+}
+
+int run_and_print(const SelftestSettings& settings, SelftestPath& path, bool json) {
+    const SelftestResult result = run_selftest(settings, path);
+    fmt::print("{}", json ? json_text(describe(result), 2) + "\n" : selftest_text(result));
+    return static_cast<int>(result.verdict == SelftestVerdict::kFail ? ExitCode::kRunFailed : ExitCode::kOk);
+}
+
+}  // namespace thimble
