@@ -78,9 +78,12 @@ PacketRelay::~PacketRelay() = default;
 
 void PacketRelay::step(SessionTime latest) {
     std::array<epoll_event, 8> room{};
-    const auto events = waiter_.wait(next_due() - send_lead(), latest, room);
+    const SessionTime begin = next_due() - send_lead();
+    const bool waited = begin > wall_now();
+    const auto events = waiter_.wait(begin, latest, room);
     const SessionTime now = wall_now();
     if (next_due() <= now + send_lead()) {
+        if (waited) sending_.waking.add(now - begin);
         woken_ = now;
         send_due(now + send_lead());
     }
@@ -131,12 +134,15 @@ void PacketRelay::send(std::size_t direction, const Departure& departure) {
     const Bytes packet = packet_of(departure);
     const PacketPort& port = port_for(direction, packet);
     const SessionTime before = wall_now();
-    if (const SessionTime woken = std::exchange(woken_, kNever); woken != kNever)
+    if (const SessionTime woken = std::exchange(woken_, kNever); woken != kNever) {
         handling_.add(before - woken);
+        sending_.handling.add(before - woken);
+    }
     const bool accepted = port.ethernet ? send_frame(port.descriptor, packet)
                                         : write(port.descriptor, packet.data(), packet.size()) > 0;
     const SessionTime sent = wall_now();
     writing_.add(sent - before);
+    sending_.writing.add(sent - before);
     record_sent(direction, departure, sent, accepted);
 }
 

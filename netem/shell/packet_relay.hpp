@@ -56,6 +56,14 @@ struct StageTotals {
     }
 };
 
+// Where our own lateness is from.
+struct SendingTotals {
+    Histogram
+        waking{};  // from the moment to begin at to being awake; packets that found us awake do not count
+    Histogram handling{};  // from being awake to the call that sends
+    Histogram writing{};   // that call, with the receiver's part of the kernel
+};
+
 class PacketRelay final : public SteeredRelay {
   public:
     // `log` may be null and must outlive the relay. `wake`: a descriptor that ends a step when it is readable; -1: none.
@@ -73,6 +81,7 @@ class PacketRelay final : public SteeredRelay {
     const StageTotals& stages(RelayDirection direction) const {
         return stages_[static_cast<std::size_t>(direction)];
     }
+    const SendingTotals& sending() const { return sending_; }
     const EventWaiter& waiter() const { return waiter_; }
 
   private:
@@ -112,6 +121,7 @@ class PacketRelay final : public SteeredRelay {
     RelayTotals totals_;
     PortTotals port_totals_;
     std::array<StageTotals, 2> stages_{};
+    SendingTotals sending_;
 };
 
 }  // namespace thimble

@@ -89,6 +89,12 @@ nlohmann::ordered_json describe_stages(const LinkSettings& link, const PacketRel
             {"delay_us", 1e6 * to_seconds(link.delay)}};
 }
 
+nlohmann::ordered_json describe_sending(const SendingTotals& sending) {
+    return {{"waking", describe(sending.waking)},
+            {"handling", describe(sending.handling)},
+            {"writing", describe(sending.writing)}};
+}
+
 struct Wiring {
     PacketPort inner;
     std::vector<PacketPort> outer;
@@ -112,6 +118,7 @@ ShellResult run_wired(const ShellSettings& settings, Programs& programs, SignalL
     result.report["shell"] = {{"no_ip_packets", relay.ports().garbage},
                               {"kernel_packets", relay.ports().local},
                               {"ends_closed", relay.ports().ports_closed},
+                              {"sending", describe_sending(relay.sending())},
                               {"up", describe_stages(settings.links.up, relay, RelayDirection::kUp)},
                               {"down", describe_stages(settings.links.down, relay, RelayDirection::kDown)}};
     control.reset();
