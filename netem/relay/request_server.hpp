@@ -20,7 +20,7 @@ inline constexpr int kMostVisitors = 16;  // another one is turned away
 
 class RequestServer : boost::noncopyable {
   public:
-    // The answer to what a visitor has said so far, or nothing as long as the request is not complete.
+    // Gets all bytes that came so far, and returns the answer; nothing as long as the request is not complete.
     using Answer = std::function<std::optional<std::string>(std::string_view said)>;
 
     // Owns `listening`, which is non-blocking. `patience`: a visitor has to have read its answer by then. `most_bytes`: a visitor

@@ -90,7 +90,7 @@ void count_records(const std::vector<PacketRecord>& records, const std::vector<b
         const bool dropped = !sent && record.fate != LoggedFate::kRefused;
         d.dropped += dropped ? 1U : 0U;
         d.lost += record.fate == LoggedFate::kLost ? 1U : 0U;
-        d.corrupted += sent && record.corrupted ? 1U : 0U;
+        d.corrupted += !dropped && record.corrupted ? 1U : 0U;
         d.early += sent && record.sent_ns < record.due_ns ? 1U : 0U;
         d.other_fates += record.packet >= foretold.size() || foretold[record.packet] != dropped ? 1U : 0U;
     }

@@ -36,7 +36,7 @@ struct SelftestDirection {
     std::uint64_t arrived = 0;      // first copies, unharmed, at the other end
     std::uint64_t dropped = 0;      // by the link, as asked
     std::uint64_t lost = 0;         // of these by its loss model, or a trace
-    std::uint64_t corrupted = 0;    // sent with bits flipped
+    std::uint64_t corrupted = 0;    // left with bits flipped; the kernel may refuse such a packet
     std::uint64_t early = 0;        // sent before they were due
     std::uint64_t other_fates = 0;  // dropped where virtual time with this seed does not, or the reverse
     // Neither asked nor explained: lost on the way to the relay, in it, or behind it.

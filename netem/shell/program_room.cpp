@@ -155,7 +155,7 @@ void live_in_room(const RoomSettings& settings, int line) {
     configure_namespace();
     const bool has_ip6 = configure_tun(kDeviceName, settings.addresses, true);
     if (!settings.name_server.empty()) name_server_is(settings.name_server);
-    // What is not there has the device in its place: all descriptors are there.
+    // The device stands in for a descriptor that is not there: the note has all three.
     const int stamps = open_stamp_socket(kDeviceName);
     const UdpSocket own = settings.command.empty() ? UdpSocket::listening({}) : UdpSocket();
     send_note(line, {.kind = 'd',

@@ -181,7 +181,7 @@ TEST_F(ShellProgram, SaysWhatToSwitchOn) {
     EXPECT_THAT(result.output, HasSubstr("modprobe tun"));
 }
 
-// In a user namespace of its own, whose limit nobody else has. Without that right its root is as any user.
+// The test limits a user namespace of its own. Without SYS_ADMIN the root of that namespace is as any user.
 TEST_F(ShellProgram, NamesTheSysctlThatForbidsNamespaces) {
     THIMBLE_NEEDS("setpriv", "util-linux");
     const std::string limited =
