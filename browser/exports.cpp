@@ -215,7 +215,7 @@ EMSCRIPTEN_KEEPALIVE const char* networks() {
 }
 EMSCRIPTEN_KEEPALIVE const char* compensators() {
     words.clear();
-    for (const std::string_view name : kCompensatorNames) words += fmt::format("{}\n", name);
+    for (const std::string_view name : kBuiltInCompensators) words += fmt::format("{}\n", name);
     return words.c_str();
 }
 }

@@ -14,7 +14,7 @@ function(thimble_export target name)
     install(TARGETS ${target} EXPORT thimble ARCHIVE COMPONENT development)
     foreach(FOLDER ${ARGN})
         install(DIRECTORY ${PROJECT_SOURCE_DIR}/${FOLDER}/ DESTINATION ${THIMBLE_HEADER_DIR}/${FOLDER} COMPONENT development
-            FILES_MATCHING PATTERN *.hpp PATTERN runtime EXCLUDE PATTERN import EXCLUDE PATTERN relay EXCLUDE PATTERN shell EXCLUDE PATTERN commands EXCLUDE)
+            FILES_MATCHING PATTERN *.hpp PATTERN controller.h PATTERN runtime EXCLUDE PATTERN import EXCLUDE PATTERN relay EXCLUDE PATTERN shell EXCLUDE PATTERN commands EXCLUDE)
     endforeach()
 endfunction()
 thimble_export(thimble_common common common)
@@ -22,6 +22,9 @@ thimble_export(thimble_netem netem netem)
 thimble_export(thimble_slave_sim tissue slave_sim)
 thimble_export(thimble_statistics statistics analysis/statistics)
 thimble_export(thimble_stability stability stability)
+
+# The interface of controllers alone, for a plug-in: <thimble/controller.h>.
+install(FILES common/control/controller.h DESTINATION ${THIMBLE_HEADER_DIR} COMPONENT development)
 
 # The wire schema: as text for other languages, and as the header that flatc made of it. That one insists on the FlatBuffers
 # version it was made with.

@@ -42,7 +42,10 @@ void await_user(Handle& handle, Duration limit) {
 
 // A real handle has limits of its own where the file has none.
 MasterSettings read_master(const ConfigFile& file, HandleKind kind) {
-    return read_master_settings(file, is_real(kind) ? guard_of_real_handle() : GuardSettings{});
+    MasterSettings settings =
+        read_master_settings(file, is_real(kind) ? guard_of_real_handle() : GuardSettings{});
+    settings.control.clock = wall_now;
+    return settings;
 }
 
 HandleSettings read_handle(const ConfigFile& file, bool pointer) {
@@ -76,6 +79,7 @@ class Master final : public NodeInstance {
                            {"words", process_.guard().text()},
                            {"cut", process_.guard().cut()},
                            {"most_given_out_J", process_.guard().most_given_out_J()}};
+        if (process_.plugin() != nullptr) describe_plugin(report, *process_.plugin());
         report["round_trip"] = quantiles(process_.round_trip().age());  // of the last trial, as the next
         report["hold"] = quantiles(process_.round_trip().hold());
         handle_->describe(report);

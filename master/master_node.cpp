@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "common/control/scaled_force.hpp"
 #include "master/velocity_settings.hpp"
 
 namespace thimble {
@@ -24,7 +23,7 @@ MasterSettings read_master_settings(const ConfigTable& table) {
 MasterSettings read_master_settings(const ConfigFile& file, const GuardSettings& guard) {
     MasterSettings s = read_master_settings(file.table("master"));
     s.guard = read_guard_settings(file.table("guard"), guard);
-    s.control = read_control_settings(file.table("control"));
+    s.control = read_control_settings(file);
     s.codec = read_codec_settings(file.table("codec"));
     if (s.force_limit_N > s.guard.force_limit_N && file.table("master").has("force_limit_N")) {
         file.table("master").fail(
@@ -82,19 +81,20 @@ NeedleCommand MasterNode::sample(SessionTime now, const HandleSample& handle) {
     ++samples_;
     force_hand_N_ = handle.force_hand_N;
     const auto estimate = estimator_.update(now, position_needle_m);
-    if (control_.active()) control_.sample(now, handle);
+    const double velocity_hand_m_per_s = estimate.velocity_m_per_s / settings_.position_scale;
+    if (control_.present()) control_.sample(now, handle, velocity_hand_m_per_s);
     NeedleCommand command;
     command.position_needle_m = position_needle_m;
     command.velocity_needle_m_per_s = estimate.velocity_m_per_s;
     command.position_needle_estimate_m = estimate.position_estimate_m;
     command.position_hand_m = handle.position_hand_m;
-    command.velocity_hand_m_per_s = estimate.velocity_m_per_s / settings_.position_scale;
+    command.velocity_hand_m_per_s = velocity_hand_m_per_s;
     command.force_hand_N = handle.force_hand_N;
     return command;
 }
 
 std::optional<double> MasterNode::force_at_sample_N(SessionTime now) {
-    if (fill_.predicts() && control_.active()) control_.take(fill_.at(now));
+    if (fill_.predicts() && control_.active()) control_.take(fill_.at(now), newest_age_);
     if (control_.active()) return share(now) * control_.force_N();
     if (!fill_.predicts()) return std::nullopt;
     asked_force_N_ = handle_force_N(fill_.at(now));
@@ -102,7 +102,7 @@ std::optional<double> MasterNode::force_at_sample_N(SessionTime now) {
 }
 
 std::optional<double> MasterNode::take(SessionTime now, const ForceWave& wave) {
-    control_.take(wave.waves);
+    if (control_.present()) control_.take(wave.waves);
     return take(now, wave.feedback);
 }
 
@@ -113,10 +113,8 @@ std::optional<double> MasterNode::take(SessionTime now, const ForceFeedback& fee
     // A held needle answers nothing, and has no force.
     age_.take(feedback.needle_held ? now : feedback.echo_time);
     fill_.heard(now, feedback);
-    if (control_.active()) {
-        control_.take(feedback);
-        return now == sampled_ ? force_at_sample_N(now) : std::nullopt;
-    }
+    if (control_.present()) control_.take(feedback, newest_age_);
+    if (control_.active()) return now == sampled_ ? force_at_sample_N(now) : std::nullopt;
     if (stood_still_ || age_.late(now) >= settings_.stale.after)
         return std::nullopt;  // as if it had not come
     asked_force_N_ = handle_force_N(feedback);
@@ -134,12 +132,13 @@ std::optional<double> MasterNode::fade(SessionTime now) {
 
 bool MasterNode::stale(SessionTime now) const { return stood_still_ || settings_.stale.stale(silence(now)); }
 
-double MasterNode::handle_force_N(const ForceFeedback& feedback) const {
+double MasterNode::handle_force_N(const ForceFeedback& feedback) {
     if (modality_ != Modality::kHF || feedback.needle_held) return 0;
+    if (control_.present()) return control_.force_N();
     // Feedback acts on the operator along +z; the handle's force counts positive when it pushes out, along
     // -z.
-    const double force_hand_N = -settings_.force_scale * feedback.force_total_N;
-    return ScaledForce{settings_.control.hand_share()}.hand_N(force_hand_N, settings_.force_limit_N);
+    const double limit_N = settings_.force_limit_N;
+    return std::clamp(-settings_.force_scale * feedback.force_total_N, -limit_N, limit_N);
 }
 
 // So old may a force become under a network that takes so long there and back.

@@ -84,9 +84,10 @@ class MasterNode {
     double force_hand_N() const { return force_hand_N_; }        // of the newest sample
     std::uint64_t samples() const { return samples_; }
     std::uint64_t samples_skipped() const { return samples_skipped_; }
+    const HandleEnd* plugin() const { return control_.end_of_plugin(); }  // null: the session has none
 
   private:
-    double handle_force_N(const ForceFeedback& feedback) const;
+    double handle_force_N(const ForceFeedback& feedback);
     Duration longest_age(Duration network_delay) const;
     Duration silence(SessionTime now) const;
     double share(SessionTime now) const;

@@ -26,6 +26,7 @@ class MasterProcess final : public NodeProcess {
     const RoundTrip& round_trip() const { return node_.round_trip(); }
     std::uint64_t samples() const { return node_.samples(); }
     std::uint64_t samples_skipped() const { return node_.samples_skipped(); }
+    const HandleEnd* plugin() const { return node_.plugin(); }  // null: the session has none
 
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;

@@ -1,6 +1,7 @@
 // thimble-slave-sim: the needle in simulated tissue before a virtual fixture.
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/node_report.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "common/stale_policy.hpp"
 #include "slave_sim/slave_process.hpp"
 
@@ -8,15 +9,21 @@ namespace {
 
 using namespace thimble;
 
+SlaveSettings timed(SlaveSettings settings) {
+    settings.control.control.clock = wall_now;
+    return settings;
+}
+
 class Slave final : public NodeInstance {
   public:
     Slave(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
-        : process_(instance, read_slave_settings(file), sockets),
+        : process_(instance, timed(read_slave_settings(file)), sockets),
           stale_after_(read_slave_settings(file).stale_after) {}
 
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override {
         describe_stale(report, {StaleMode::kHold, stale_after_}, process_.stale_record());
+        if (process_.plugin() != nullptr) describe_plugin(report, *process_.plugin());
     }
 
   private:

@@ -4,12 +4,11 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/control/built_in_controllers.hpp"
+
 namespace thimble {
 
 namespace {
-
-// Of two-port passivity, per sample, at the hand: a force that has nearly gone must not throw the proxy.
-constexpr double kMostCorrection_m = 1e-3;
 
 // A stamp may be years ahead (a clock that steps, a flipped bit), and some solvers take every step until then.
 constexpr Duration kLongestRest = std::chrono::seconds{100};
@@ -21,8 +20,8 @@ bool within_reach(double position_m) { return std::abs(position_m) <= SlaveNode:
 
 SlaveNode::SlaveNode(const SlaveSettings& settings)
     : settings_(settings), scene_(settings.scene, settings.make_tissue), timer_(settings.contact_hold) {
-    if (settings.wave.used) wave_.emplace(settings.wave);
-    if (settings.wave.two_port) two_port_.emplace(kMostCorrection_m);
+    if (has_two_ends(settings.control.control))
+        end_.emplace(settings.control.control, settings.control.scale);
     assert(scene_.surface() != nullptr && scene_.fixture() != nullptr);
 }
 
@@ -31,11 +30,9 @@ void SlaveNode::start_trial(const SessionControl& order) {
     scene_.reset(scene_.needle());
     timer_.reset();
     scene_.clear_transitions();
-    waves_ = (wave_ || two_port_) && order.modality == Modality::kHF;
-    if (wave_) wave_->reset();
-    if (two_port_) two_port_->reset();
-    two_port_burst_ = {};
-    force_held_hand_N_ = 0;
+    waves_ = end_ && order.modality == Modality::kHF;
+    if (waves_) end_->start();
+    burst_ = {};
     in_trial_ = true;
     needle_known_ = false;
     held_ = false;
@@ -70,15 +67,16 @@ ForceFeedback SlaveNode::on_needle(SessionTime sample_time, std::uint32_t sequen
 }
 
 ForceFeedback SlaveNode::on_wave(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message) {
-    if (two_port_) return on_two_port(sample_time, sequence, message);
     scene_.clear_transitions();
-    const Duration period = wave_->sample_period();
+    const Duration period = settings_.control.scale.sample_period;
     const bool first = !needle_known_;
-    const std::uint32_t samples = wave_->receive(message);
+    const bool newer = first || held_ || sample_time > sample_time_;
+    const std::uint32_t samples = end_->receive(message, newer);
     if (sample_time < SessionTime{} + samples * period || !within_reach(message.command.position_hand_m)) {
         ++refused_;
     } else {
-        if (first) wave_estimator_.reset(settings_.wave.position_scale * message.command.position_hand_m);
+        if (first)
+            wave_estimator_.reset(settings_.control.scale.position_scale * message.command.position_hand_m);
         for (std::uint32_t left = samples; left-- > 0;) {
             const SessionTime then = sample_time - left * period;
             follow(then, wave_step(then));
@@ -87,31 +85,14 @@ ForceFeedback SlaveNode::on_wave(SessionTime sample_time, std::uint32_t sequence
     sequence_ = sequence;
     ForceFeedback feedback = answer();
     feedback.echo_time = sample_time;
-    return feedback;
-}
-
-ForceFeedback SlaveNode::on_two_port(SessionTime sample_time, std::uint32_t sequence,
-                                     const NeedleWave& message) {
-    NeedleCommand command = message.command;
-    const bool older = needle_known_ && !held_ && sample_time <= sample_time_;
-    if (!older && within_reach(command.position_hand_m)) {
-        const double scale = settings_.wave.position_scale;
-        if (!needle_known_) wave_estimator_.reset(scale * command.position_hand_m);
-        command.position_needle_m =
-            scale * two_port_->move(command.position_hand_m, force_held_hand_N_, message.waves.energy_J);
-        command.position_needle_estimate_m =
-            wave_estimator_.update(sample_time, command.position_needle_m).position_estimate_m;
-    }
-    const ForceFeedback feedback = on_needle(sample_time, sequence, command);
-    const double limit_N = settings_.wave.force_limit_N;
-    force_held_hand_N_ = std::clamp(-settings_.wave.force_scale * feedback.force_total_N, -limit_N, limit_N);
-    two_port_burst_.energy_J = two_port_->energy_in_J();
+    burst_ = end_->answer(feedback_of(feedback, settings_.control.scale, 0));
     return feedback;
 }
 
 // Tissue and whatever else is not the fixture acts with the force of the sample before; only the fixture is stiff enough to need
 // its own, solved for.
 NeedleCommand SlaveNode::wave_step(SessionTime sample_time) {
+    const HandleControlScale& scale = settings_.control.scale;
     const ForbiddenRegion& fixture = *scene_.fixture();
     double other_N = 0;
     if (!held_ && needle_known_) {
@@ -119,8 +100,13 @@ NeedleCommand SlaveNode::wave_step(SessionTime sample_time) {
         other_N = scene_.force_tissue_N() + scene_.force_fixture_N() - fixture.touch(needle_m).force_N;
     }
     const double stiffness_N_per_m = fixture.present() ? fixture.stiffness_N_per_m() : 0;
+    const double hand_m = end_->step_hand_m({fixture.position_m() / scale.position_scale,
+                                             scale.force_scale * scale.position_scale * stiffness_N_per_m,
+                                             -scale.force_scale * other_N});
     NeedleCommand command;
-    command.position_needle_m = wave_->step(fixture.position_m(), stiffness_N_per_m, other_N);
+    // A plug-in may say anything.
+    command.position_needle_m =
+        std::clamp(scale.position_scale * hand_m, -kFarthestNeedleMetres, kFarthestNeedleMetres);
     command.position_needle_estimate_m =
         wave_estimator_.update(sample_time, command.position_needle_m).position_estimate_m;
     return command;
@@ -162,7 +148,7 @@ void SlaveNode::step(Duration duration, const NeedleSample& needle) {
 
 ForceFeedback SlaveNode::hold() {
     held_ = true;
-    force_held_hand_N_ = 0;
+    if (waves_) end_->hold();
     timer_.lose_contact();
     scene_.clear_transitions();
     return answer();

@@ -9,14 +9,13 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/control/two_port_passivity.hpp"
+#include "common/control/controller_ends.hpp"
 #include "common/messages.hpp"
 #include "common/time.hpp"
 #include "common/velocity_estimator.hpp"
 #include "slave_sim/contact_timer.hpp"
 #include "slave_sim/needle_scene.hpp"
 #include "slave_sim/slave_settings.hpp"
-#include "slave_sim/wave_end.hpp"
 
 namespace thimble {
 
@@ -42,12 +41,13 @@ class SlaveNode {
     // moved within longest_step; contact starts anew.
     ForceFeedback on_needle(SessionTime sample_time, std::uint32_t sequence, const NeedleCommand& command);
 
-    // The same with wave variables: each of the master's samples that has not been, one after another, then the answer to the
-    // newest. The needle goes where the waves lead it, or with two-port passivity where the passive proxy is. wave_burst() goes
-    // back with the answer. Only while waves().
+    // The same with the slave's end of a controller, wave variables for instance: each of the master's samples that has not
+    // been, one after another, then the answer to the newest. The needle goes where that end leads it. wave_burst() goes back
+    // with the answer. Only while waves().
     ForceFeedback on_wave(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message);
     bool waves() const { return in_trial_ && waves_; }
-    const WaveBurst& wave_burst() const { return wave_ ? wave_->burst() : two_port_burst_; }
+    const WaveBurst& wave_burst() const { return burst_; }
+    const SlaveEnd* plugin() const { return end_ && !end_->file().empty() ? &*end_ : nullptr; }
 
     // Between two commands: the needle stands, tissue waits for the next command, and forces are what they were.
     ForceFeedback still(SessionTime sample_time) const {
@@ -76,7 +76,6 @@ class SlaveNode {
     void step(Duration duration, const NeedleSample& needle);
     ForceFeedback answer() const;
     NeedleCommand wave_step(SessionTime sample_time);
-    ForceFeedback on_two_port(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message);
 
     SlaveSettings settings_;
     NeedleScene scene_;
@@ -85,10 +84,8 @@ class SlaveNode {
     SessionTime sample_time_{};
     std::uint64_t refused_ = 0;
     std::uint32_t sequence_ = 0;
-    std::optional<WaveEnd> wave_;  // where the session has one
-    std::optional<TwoPortSlave> two_port_;
-    WaveBurst two_port_burst_;          // its energy alone
-    double force_held_hand_N_ = 0;      // of the last answer, positive pushes the hand out
+    std::optional<SlaveEnd> end_;       // where the session has one
+    WaveBurst burst_;                   // its newest
     VelocityEstimator wave_estimator_;  // of the needle that waves lead: tissue follows its smooth position
     bool waves_ = false;                // in this trial
     bool in_trial_ = false;

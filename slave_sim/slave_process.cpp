@@ -17,9 +17,9 @@ SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings
                  {ports.outlet(Port::kNetemForceCutaneous), ports.outlet(Port::kNetemForceVisual)}),
       to_record_(Role::kSlaveSim, instance, {ports.outlet(Port::kSessionRecord)}),
       to_eyes_(Role::kSlaveSim, instance, {ports.outlet(Port::kVisualScene)}),
-      fill_(settings.codec, settings.wave.sample_period),
-      gate_master_(settings.codec, settings.wave.sample_period, true),
-      gate_others_(settings.codec, settings.wave.sample_period, false),
+      fill_(settings.codec, settings.control.scale.sample_period),
+      gate_master_(settings.codec, settings.control.scale.sample_period, true),
+      gate_others_(settings.codec, settings.control.scale.sample_period, false),
       stale_after_(settings.stale_after),
       node_(settings) {
     join_stop_bus(ports);

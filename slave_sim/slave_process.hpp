@@ -17,6 +17,7 @@ class SlaveProcess final : public NodeProcess {
     SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, Ports& ports);
 
     const StaleRecord& stale_record() const { return stale_record_; }
+    const SlaveEnd* plugin() const { return node_.plugin(); }  // null: the session has none with an end here
 
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;

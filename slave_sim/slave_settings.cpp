@@ -48,15 +48,6 @@ TissueMaker read_solver(const ConfigTable& own) {
 
 }  // namespace
 
-WaveEndSettings wave_end_of(const ControlSettings& control, WaveEndSettings handle) {
-    handle.used = control.compensator == Compensator::kWave;
-    handle.two_port = control.compensator == Compensator::kTwoPort;
-    handle.impedance_Ns_per_m = control.wave_impedance_Ns_per_m;
-    handle.damping_Ns_per_m = control.wave_slave_damping_Ns_per_m;
-    handle.channel = control.channel;
-    return handle;
-}
-
 double SlaveSettings::fixture_position_m() const {
     return NeedleScene(scene, make_tissue).fixture()->position_m();
 }
@@ -85,9 +76,8 @@ SlaveSettings read_slave_settings(const ConfigFile& file) {
              "Without a command for so long: the needle is held, every force is zero.");
     own.read("longest_step_s", s.longest_step, 0.001, 10,
              "After a longer gap between samples contact starts anew.");
-    WaveEndSettings handle;
-    read_scaling(file.table("master"), handle);
-    s.wave = wave_end_of(read_control_settings(file.table("control")), handle);
+    read_scaling(file.table("master"), s.control.scale);
+    s.control.control = read_control_settings(file);
     return s;
 }
 

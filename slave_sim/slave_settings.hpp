@@ -4,30 +4,19 @@
 #include <chrono>
 
 #include "common/config.hpp"
-#include "common/control/control_settings.hpp"
+#include "common/control/controller_ends.hpp"
 #include "common/reduction/codec_settings.hpp"
-#include "common/shared_values.hpp"
 #include "common/time.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"
 
 namespace thimble {
 
-// The slave's end of a compensator that has two ([control] compensator = "wave" or "two-port"), with what the master's table says of the
-// handle.
-struct WaveEndSettings {
-    bool used = false;      // waves
-    bool two_port = false;  // two-port passivity
-    double impedance_Ns_per_m = 20, damping_Ns_per_m = 20;
-    WaveChannelSettings channel{};
-    double position_scale = kPositionScale;
-    double force_scale = 1;
-    double force_limit_N = kHandleFullScale_N;
-    Duration sample_period = std::chrono::milliseconds{1};
+// The slave's end of a controller that has two, as "wave" and "two-port" have, with what the master's table says of the handle.
+struct SlaveControl {
+    ControlSettings control{};
+    HandleControlScale scale{};
 };
-
-// The slave's part of a compensator; the handle's numbers are those of `handle`.
-WaveEndSettings wave_end_of(const ControlSettings& control, WaveEndSettings handle);
 
 struct SlaveSettings {
     SceneDeclaration scene = paper_scene();
@@ -39,7 +28,7 @@ struct SlaveSettings {
     Duration longest_step = std::chrono::milliseconds(100);
 
     double fixture_position_m() const;  // of the scene's first forbidden region, which trials move
-    WaveEndSettings wave{};             // in HF
+    SlaveControl control{};             // in HF
     CodecSettings codec{};              // of table [codec]
 };
 

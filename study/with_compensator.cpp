@@ -13,6 +13,8 @@ namespace thimble {
 
 ControlSettings control_for(const SystemSettings& settings, Compensator compensator) {
     if (settings.master.control.compensator == compensator) return settings.master.control;
+    if (compensator == Compensator::kPlugin)
+        throw Error(ExitCode::kUsage, "compensator plugin: the session names none ([control] plugin)");
     ControlSettings control;
     control.compensator = compensator;
     return control;
@@ -21,7 +23,7 @@ ControlSettings control_for(const SystemSettings& settings, Compensator compensa
 SystemSettings with_control(SystemSettings settings, const ControlSettings& control) {
     settings.master.control = control;
     settings.cutaneous.hand_share = control.hand_share();
-    settings.slave.wave = wave_end_of(control, settings.slave.wave);
+    settings.slave.control.control = control;
     return settings;
 }
 

@@ -4,12 +4,17 @@
 
 #include <array>
 #include <chrono>
+#include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/config.hpp"
 #include "common/control/energy_bound.hpp"
 #include "common/control/local_fixture.hpp"
 #include "common/control/wave_channel.hpp"
+
+struct thimble_controller;  // <thimble/controller.h>
 
 namespace thimble {
 
@@ -23,10 +28,23 @@ enum class Compensator : std::uint8_t {
     kLocalFixture,       // model-mediated
     kWave,               // wave variables; needs both sides
     kTwoPort,            // two-port passivity, for comparison; needs both sides
+    kAdaptiveFixture,    // a local fixture that trusts a jittering network less
+    kPredictedShare,     // a share of the force that the measured delay allows, beside all of it on the skin
+    kFourChannel,        // positions and forces both ways, with a model at each end; needs both sides
+    kPlugin,             // of the user (docs/howto/controller.md); the last
 };
-inline constexpr std::array<std::string_view, 9> kCompensatorNames{
-    "none",          "scaled", "passivity", "energy-bound-memoryless", "energy-bound", "two-layer",
-    "local-fixture", "wave",   "two-port"};
+inline constexpr std::array<std::string_view, 10> kCompensatorNames{
+    "none", "scaled",   "passivity", "energy-bound-memoryless", "energy-bound", "two-layer", "local-fixture",
+    "wave", "two-port", "plugin"};
+// Those that a session chooses by name.
+inline constexpr auto kBuiltInCompensators = std::span(kCompensatorNames).first(kCompensatorNames.size() - 1);
+
+struct PluginSettings {
+    std::string file;                           // as it was opened
+    const thimble_controller* table = nullptr;  // null: none. It stays loaded until the program ends
+    std::vector<double> values;                 // of its keys
+};
+using ReadClock = SessionTime (*)();
 
 struct ControlSettings {
     Compensator compensator = Compensator::kNone;
@@ -34,19 +52,25 @@ struct ControlSettings {
     double device_damping_Ns_per_m = 0.5;     // bounds and tank
     double most_damping_Ns_per_m = 250;       // kPassivity, kTwoPort
     TankSettings tank{};                      // kTwoLayer
-    LocalFixtureSettings local{};             // kLocalFixture, without sample_period_s
+    LocalFixtureSettings local{};             // kLocalFixture and those made of it, without sample_period_s
     double wave_slave_damping_Ns_per_m = 20;  // kWave
     double wave_impedance_Ns_per_m = 20;      // kWave
     WaveChannelSettings channel{};            // kWave, without sample_period_s
     Duration jitter =
-        std::chrono::milliseconds{2};  // kWave: play-out allows so much beyond the network's delay
+        std::chrono::milliseconds{2};           // kWave: play-out allows so much beyond the network's delay
+    double predicted_damping_Ns_per_m = 15;     // kPredictedShare
+    double predicted_stiffness_N_per_m = 9000;  // kPredictedShare
+    double predicted_margin = 0.8;              // kPredictedShare
+    double coupling_N_per_m = 20000;            // kFourChannel
+    PluginSettings plugin{};                    // kPlugin
+    ReadClock clock = nullptr;                  // to time a plug-in's calls by; null: in virtual time
 
-    // Of the force for the hand in HF; 1 but for kScaled.
-    double hand_share() const { return compensator == Compensator::kScaled ? share : 1; }
+    // Of the force for the hand in HF. The skin gets the rest.
+    double hand_share() const;
 };
 
-// Throws Error (usage).
-ControlSettings read_control_settings(const ConfigTable& table);
+// Table [control] of this file. Loads the plug-in that it names, beside the file. Throws Error (usage).
+ControlSettings read_control_settings(const ConfigFile& file);
 
 // The keys of [master] that the other end of a compensator needs, too.
 template <class Scaling>

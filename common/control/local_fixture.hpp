@@ -35,6 +35,12 @@ class LocalFixture {
         stiffness_N_per_m_ = settings_.stiffness_N_per_m;
     }
 
+    // From now on: how many pairs count, and how fast the plane may move.
+    void adapt(double memory, double shift_m_per_s) {
+        settings_.memory = memory;
+        settings_.shift_m_per_s = shift_m_per_s;
+    }
+
     // A pair from the feedback. Values that are no number are left out.
     void learn(double position_hand_m, double force_N) {
         if (!std::isfinite(position_hand_m) || !std::isfinite(force_N)) return;

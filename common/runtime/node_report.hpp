@@ -2,7 +2,9 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
 
+#include "common/control/controller_ends.hpp"
 #include "common/runtime/sockets.hpp"
 #include "common/stale_policy.hpp"
 #include "common/stale_record.hpp"
@@ -25,6 +27,23 @@ inline nlohmann::ordered_json describe_security(const Sockets& sockets) {
             {"unsealed", c.unsealed},
             {"handshake_refused", c.handshake_refused},
             {"not_sent", c.not_sent}};
+}
+
+// A plug-in's calls. Where they took longer than a sample period, the deadlines that were missed are the plug-in's.
+inline void describe_plugin(nlohmann::ordered_json& report, const ControllerEnd& end) {
+    const ControllerTally tally = end.tally();
+    report["plugin"] = {{"file", end.file()},
+                        {"samples", tally.samples},
+                        {"not_numbers", tally.not_numbers},
+                        {"late_samples", tally.late_samples},
+                        {"longest_call_s", to_seconds(tally.longest_call)}};
+    if (tally.not_numbers > 0)
+        spdlog::warn("plug-in {} gave {} values that are no numbers: they counted as 0", end.file(),
+                     tally.not_numbers);
+    if (tally.late_samples > 0)
+        spdlog::warn(
+            "plug-in {} missed {} deadlines: its calls took longer than a sample period, one of them {} s",
+            end.file(), tally.late_samples, to_seconds(tally.longest_call));
 }
 
 // `stale`: the policy in words; `stale_acted`: the trials in which it acted, how often and how long.

@@ -3,6 +3,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/process/apart.hpp"
 #include "common/random.hpp"
 
 namespace thimble {
@@ -11,6 +15,41 @@ namespace {
 template <class Device, class Simulated>
 Device& given_or(Device* given, Simulated& simulated) {
     return given != nullptr ? *given : static_cast<Device&>(simulated);
+}
+
+// All that a trial of virtual time records. No peer is lost in it, and only the settings change the network.
+std::string bytes_of_trial(const SystemSettings& settings, const TrialConditions& conditions) {
+    VirtualSession session(settings);
+    const TrialRecord& record = session.run(conditions);
+    if (const std::string text = plugin_text(session); !text.empty())
+        spdlog::warn("trial {}: {}", conditions.trial, text);
+    std::string bytes = bytes_of(record.beep_time_s) + bytes_of(record.round_trip_s) +
+                        bytes_of(record.achieved_delay_s) + bytes_of(record.reason) +
+                        bytes_of(record.samples.size());
+    for (const TrajectorySample& sample : record.samples) bytes += bytes_of(sample);
+    return bytes;
+}
+
+TrialRecord run_plugin_trial(const SystemSettings& settings, const TrialConditions& conditions) {
+    TrialRecord record;
+    record.conditions = conditions;
+    record.conditions.compensator = Compensator::kPlugin;
+    const ApartResult apart = run_apart([&] { return bytes_of_trial(settings, conditions); });
+    if (!apart.bytes) {
+        record.reason = EndReason::kDeviceFault;
+        record.lost_peer = Role::kMaster;
+        record.fault = apart.failure;
+        spdlog::error("trial {}: {}", conditions.trial, apart.failure);
+        return record;
+    }
+    std::string_view bytes = *apart.bytes;
+    record.beep_time_s = take_plain<double>(bytes);
+    record.round_trip_s = take_plain<double>(bytes);
+    record.achieved_delay_s = take_plain<double>(bytes);
+    record.reason = take_plain<EndReason>(bytes);
+    record.samples.resize(take_plain<std::size_t>(bytes));
+    for (TrajectorySample& sample : record.samples) sample = take_plain<TrajectorySample>(bytes);
+    return record;
 }
 
 }  // namespace
@@ -109,9 +148,23 @@ void VirtualSession::restart(Role role) {
     loop_.replace(bit(role), node(role));
 }
 
+std::string plugin_text(const VirtualSession& session) {
+    std::string text;
+    for (const ControllerEnd* end :
+         std::initializer_list<const ControllerEnd*>{session.master().plugin(), session.slave().plugin()}) {
+        if (end == nullptr || end->tally().not_numbers == 0) continue;
+        text += fmt::format("{}plug-in {} gave {} values in {} samples that are no numbers",
+                            text.empty() ? "" : "; ", end->file(), end->tally().not_numbers,
+                            end->tally().samples);
+    }
+    return text;
+}
+
 TrialRecord run_virtual_trial(const SystemSettings& settings, const TrialConditions& conditions) {
-    VirtualSession session(with_force_delay(settings, from_seconds(conditions.delay_s)));
-    return session.run(conditions);
+    const SystemSettings delayed = with_force_delay(settings, from_seconds(conditions.delay_s));
+    if (settings.master.control.compensator == Compensator::kPlugin && conditions.modality == Modality::kHF)
+        return run_plugin_trial(delayed, conditions);
+    return VirtualSession(delayed).run(conditions);
 }
 
 }  // namespace thimble

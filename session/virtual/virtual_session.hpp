@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -92,8 +93,12 @@ class VirtualSession final : public SteppedSession {
     std::optional<LostNode> lost_;
 };
 
+// Each value that a plug-in gave and that had to be replaced, in words; empty: none. For the log.
+std::string plugin_text(const VirtualSession& session);
+
 // A fresh session for one trial, so that no trial can depend on another. The delay of the force path is that
-// of `conditions`, the rest of the network that of the settings.
+// of `conditions`, the rest of the network that of the settings. With a plug-in the trial runs in a copy of the process: one that
+// crashes or hangs gives a record that ends with kDeviceFault and says why.
 TrialRecord run_virtual_trial(const SystemSettings& settings, const TrialConditions& conditions);
 
 }  // namespace thimble

@@ -6,8 +6,10 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/process/apart.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/records/metrics.hpp"
 #include "session/settings/protocol.hpp"
@@ -25,10 +27,18 @@ struct HandSample {
     double time_s, position_hand_m, force_hand_N, position_needle_m;
 };
 
+// The results of a trial, in plain numbers.
+struct Outcome {
+    TrialMetrics metrics;
+    bool completed = false;
+    double rendered_stiffness = TrialMetrics::kNone;
+    double drift_needle_m = TrialMetrics::kNone;
+};
+
 // From the end of arriving to the beep, or to the end of a trial without one.
 void measure_hand(const std::vector<HandSample>& samples, const TrialRecord& record, const SystemSettings& s,
-                  CompensatorTrial& trial) {
-    const double from_s = trial.metrics.first_contact_time_s + kHoldSettling_s;
+                  Outcome& outcome) {
+    const double from_s = outcome.metrics.first_contact_time_s + kHoldSettling_s;
     const double surface_hand_m = record.conditions.fixture_position_m / s.master.position_scale;
     double force_N = 0, depth_m = 0, drift_m = 0, count = 0;
     for (const HandSample& sample : samples) {
@@ -39,8 +49,8 @@ void measure_hand(const std::vector<HandSample>& samples, const TrialRecord& rec
         ++count;
     }
     if (count == 0) return;
-    trial.drift_needle_m = drift_m / count;
-    if (depth_m > 0) trial.rendered_stiffness = force_N / depth_m / true_stiffness_hand_N_per_m(s);
+    outcome.drift_needle_m = drift_m / count;
+    if (depth_m > 0) outcome.rendered_stiffness = force_N / depth_m / true_stiffness_hand_N_per_m(s);
 }
 
 // Waves have to wait for the jitter too; everything else takes what comes.
@@ -49,20 +59,43 @@ ControlSettings control_over(const CompensatorNetwork& network, ControlSettings 
     return control;
 }
 
-void run_trial(const SystemSettings& settings, const CompensatorCondition& condition,
-               CompensatorTrial& trial) {
-    ControlSettings control = control_over(trial.network, condition.control);
-    control.share = trial.share;
-    VirtualSession session(with_control(over_network(settings, trial.network), control));
+Outcome outcome_of(const SystemSettings& settings, const TrialConditions& conditions) {
+    VirtualSession session(settings);
     std::vector<HandSample> samples;
     session.session().set_sample_hook([&](const TrajectorySample& sample) {
         samples.push_back({sample.time_s, session.handle().position_hand_m(), session.handle().force_hand_N(),
                            sample.position_needle_m});
     });
-    const TrialRecord& record = session.run(trial.conditions);
-    trial.metrics = measure(record);
-    trial.completed = record.reason == EndReason::kCompleted && trial.metrics.beeped;
-    measure_hand(samples, record, settings, trial);
+    const TrialRecord& record = session.run(conditions);
+    Outcome outcome;
+    outcome.metrics = measure(record);
+    outcome.completed = record.reason == EndReason::kCompleted && outcome.metrics.beeped;
+    measure_hand(samples, record, settings, outcome);
+    if (const std::string text = plugin_text(session); !text.empty())
+        spdlog::warn("trial {}: {}", conditions.trial, text);
+    return outcome;
+}
+
+// A plug-in that fails costs this trial, which then did not complete.
+Outcome plugin_outcome(const SystemSettings& settings, const TrialConditions& conditions) {
+    const ApartResult apart = run_apart([&] { return bytes_of(outcome_of(settings, conditions)); });
+    if (!apart.bytes) spdlog::error("trial {}: {}", conditions.trial, apart.failure);
+    std::string_view bytes = apart.bytes ? std::string_view(*apart.bytes) : std::string_view();
+    return apart.bytes ? take_plain<Outcome>(bytes) : Outcome{};
+}
+
+void run_trial(const SystemSettings& settings, const CompensatorCondition& condition,
+               CompensatorTrial& trial) {
+    ControlSettings control = control_over(trial.network, condition.control);
+    control.share = trial.share;
+    const SystemSettings with = with_control(over_network(settings, trial.network), control);
+    const bool plugin = control.compensator == Compensator::kPlugin;
+    const Outcome outcome =
+        plugin ? plugin_outcome(with, trial.conditions) : outcome_of(with, trial.conditions);
+    trial.metrics = outcome.metrics;
+    trial.completed = outcome.completed;
+    trial.rendered_stiffness = outcome.rendered_stiffness;
+    trial.drift_needle_m = outcome.drift_needle_m;
 }
 
 // There and back, jitter included.
@@ -99,7 +132,8 @@ std::vector<CompensatorCondition> compensator_conditions(const SystemSettings& s
     std::vector<CompensatorCondition> conditions;
     conditions.reserve(kModalities.size() + kCompensatorNames.size());
     for (const Modality modality : kModalities) conditions.push_back({to_string(modality), modality, {}});
-    for (std::size_t i = 1; i < kCompensatorNames.size(); ++i) {
+    const bool plugin = settings.master.control.compensator == Compensator::kPlugin;
+    for (std::size_t i = 1; i < (plugin ? kCompensatorNames : kBuiltInCompensators).size(); ++i) {
         conditions.push_back({std::string(kCompensatorNames[i]), Modality::kHF,
                               control_for(settings, static_cast<Compensator>(i))});
     }

@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "common/control/energy_bound.hpp"
-#include "common/control/passivity_controller.hpp"
 #include "common/control/two_port_passivity.hpp"
 #include "common/error.hpp"
 
@@ -18,22 +16,16 @@ namespace {
 constexpr double kSameInstant = 1e-9;  // of a step
 constexpr double kMostWaiting = 1e7;   // packets
 
-std::unique_ptr<PortCompensator> port_compensator_of(const ControlSettings& s, double step_s) {
-    const PortSettings port{step_s, s.device_damping_Ns_per_m};
-    if (s.compensator == Compensator::kPassivity)
-        return std::make_unique<PassivityController>(port, s.most_damping_Ns_per_m);
-    if (s.compensator == Compensator::kMemorylessBound) return std::make_unique<MemorylessBound>(port);
-    if (s.compensator == Compensator::kLeastConservative)
-        return std::make_unique<LeastConservativeBound>(port);
-    if (s.compensator == Compensator::kTwoLayer) return std::make_unique<TwoLayerTank>(port, s.tank);
-    return nullptr;
+// A model at the handle gives the force.
+bool gives_own_force(Compensator compensator) {
+    return compensator == Compensator::kLocalFixture || compensator == Compensator::kAdaptiveFixture ||
+           compensator == Compensator::kFourChannel;
 }
 
-std::unique_ptr<LocalFixture> local_fixture_of(const ControlSettings& s, double step_s) {
-    if (s.compensator != Compensator::kLocalFixture) return nullptr;
-    LocalFixtureSettings settings = s.local;
-    settings.sample_period_s = step_s;
-    return std::make_unique<LocalFixture>(settings);
+HandleControlScale scale_of(const LoopConditions& loop) {
+    const double limit_N =
+        loop.force_limit_N > 0 ? loop.force_limit_N : std::numeric_limits<double>::infinity();
+    return {1, 1, limit_N, from_seconds(loop.loop.step_s)};
 }
 
 const CompensatedConditions& checked(const CompensatedConditions& c) {
@@ -82,8 +74,6 @@ CompensatedLoop::CompensatedLoop(const CompensatedConditions& conditions, double
     : conditions_(checked(conditions)),
       hand_(checked_motion(conditions, position_m, velocity_m_per_s)),
       step_s_(conditions.loop.loop.step_s),
-      port_(port_compensator_of(conditions.control, step_s_)),
-      local_(local_fixture_of(conditions.control, step_s_)),
       delays_({conditions.seed, 0, 0, 0, Purpose::kLinkDelay}),
       losses_({conditions.seed, 0, 0, 0, Purpose::kLinkLoss}) {
     const double longest = (conditions.loop.loop.delay_s + conditions.jitter_s) / step_s_;
@@ -96,11 +86,14 @@ CompensatedLoop::CompensatedLoop(const CompensatedConditions& conditions, double
                      TwoPortWall(0, conditions.loop.loop.stiffness_N_per_m, force_limit_N())});
     }
     if (c.compensator != Compensator::kWave) {
-        const bool here = c.compensator == Compensator::kNone || c.compensator == Compensator::kScaled;
-        if (here || port_ || local_ || two_ports_) return;
-        throw Error(ExitCode::kUsage,
-                    fmt::format("sweep: compensator {} has no loop in study/maps/compensated_loop.cpp",
-                                kCompensatorNames.at(static_cast<std::size_t>(c.compensator))));
+        if (c.compensator == Compensator::kNone || two_ports_) return;
+        end_ = std::make_unique<HandleEnd>(c, scale_of(conditions.loop));
+        end_->start(from_seconds(conditions.loop.loop.delay_s + conditions.jitter_s));
+        own_force_ = gives_own_force(c.compensator);
+        if (!end_->has(THIMBLE_BOTH_ENDS)) return;
+        slave_end_ = std::make_unique<SlaveEnd>(c, scale_of(conditions.loop));
+        slave_end_->start();
+        return;
     }
     WaveChannelSettings channel = c.channel;
     channel.sample_period_s = step_s_;
@@ -153,6 +146,8 @@ void CompensatedLoop::send(double reading_m) {
     } else if (two_ports_) {
         packet.force_N = two_ports_->wall.force_N(reading_m, two_ports_->master.energy_in_J());
         packet.energy_in_J = two_ports_->wall.energy_in_J();
+    } else if (slave_end_) {
+        meet_wall(reading_m, packet);
     } else {
         packet.force_N = loop.loop.stiffness_N_per_m * std::max(reading_m, 0.0);
     }
@@ -165,20 +160,42 @@ void CompensatedLoop::send(double reading_m) {
     arriving_[due % arriving_.size()].push_back(packet);
 }
 
+// The needle goes where the slave's end leads it.
+void CompensatedLoop::meet_wall(double reading_m, Packet& packet) {
+    const double stiffness_N_per_m = conditions_.loop.loop.stiffness_N_per_m;
+    NeedleWave message;
+    message.command.position_hand_m = reading_m;
+    message.command.force_hand_N = force_N_;
+    message.waves = sent_;
+    for (std::uint32_t left = slave_end_->receive(message, true); left > 0; --left)
+        packet.position_m = slave_end_->step_hand_m({0, stiffness_N_per_m, 0});
+    packet.force_N = stiffness_N_per_m * std::max(packet.position_m, 0.0);
+    thimble_feedback felt{};
+    felt.position_hand_m = packet.position_m;
+    felt.force_total_hand_N = felt.force_fixture_hand_N = packet.force_N;
+    felt.known = 1;
+    packet.burst = slave_end_->answer(felt);
+}
+
 void CompensatedLoop::deliver(const Packet& packet) {
     if (waves_) waves_->receiver.receive(packet.burst);
     if (packet.number <= newest_) return;  // overtaken
     newest_ = packet.number;
     asked_N_ = packet.force_N;
     if (two_ports_) two_ports_->heard_J = packet.energy_in_J;
-    if (local_) local_->learn(packet.position_m, packet.force_N);
+    if (!end_) return;
+    if (slave_end_) end_->receive(packet.burst);
+    thimble_feedback feedback{};
+    feedback.position_hand_m = packet.position_m;
+    feedback.force_total_hand_N = feedback.force_fixture_hand_N = packet.force_N;
+    feedback.age_s = static_cast<double>(sample_ - packet.number) * step_s_ + packet.rest_s;
+    feedback.known = 1;
+    end_->receive(feedback);
 }
 
-void CompensatedLoop::set_force(double reading_m) {
+void CompensatedLoop::set_force() {
     const double limit_N = conditions_.loop.force_limit_N;
-    double wanted_N = asked_N_ * conditions_.control.hand_share();
-    if (port_) wanted_N = port_->force_N(limit_N > 0 ? std::min(asked_N_, limit_N) : asked_N_);
-    if (local_) wanted_N = local_->force_N(reading_m);
+    double wanted_N = end_ ? end_->force_N() : asked_N_;
     if (two_ports_) wanted_N = two_ports_->master.force_N(asked_N_, two_ports_->heard_J);
     if (waves_) wanted_N = waves_->master.force_N(waves_->receiver.play(static_cast<std::uint32_t>(sample_)));
     force_N_ = limit_N > 0 ? std::clamp(wanted_N, -limit_N, limit_N) : wanted_N;
@@ -199,7 +216,7 @@ void CompensatedLoop::move(double from_s, double to_s) {
     const double duration_s = to_s - from_s, from_m = position_m();
     hand_.advance(propagator(duration_s), conditions_.loop.press_N - force_N_);
     energy_J_ += force_N_ * (position_m() - from_m);
-    if (asked_of_ < 0 || local_) return;
+    if (asked_of_ < 0 || own_force_) return;
     const double age_s = static_cast<double>(sample_ - asked_of_) * step_s_ + (from_s + to_s) / 2;
     age_s2_ += age_s * duration_s;
     aged_s_ += duration_s;
@@ -207,7 +224,12 @@ void CompensatedLoop::move(double from_s, double to_s) {
 
 void CompensatedLoop::step() {
     const double reading_m = sampled_m();
-    if (port_) port_->observe(step_s_, reading_m, force_N_);
+    if (end_) {
+        const SessionTime now{sample_ * from_seconds(step_s_)};
+        sent_ =
+            end_->sample(now, reading_m, sample_ > 0 ? (reading_m - read_before_m_) / step_s_ : 0, force_N_);
+        read_before_m_ = reading_m;
+    }
     if (two_ports_) two_ports_->master.observe(reading_m, force_N_);
     send(reading_m);
     std::vector<Packet>& arrived = arriving_[static_cast<std::size_t>(sample_) % arriving_.size()];
@@ -216,12 +238,12 @@ void CompensatedLoop::step() {
     });
     auto next = arrived.begin();
     for (; next != arrived.end() && next->rest_s == 0; ++next) deliver(*next);
-    set_force(reading_m);
+    set_force();
     double done_s = 0;
     for (; next != arrived.end(); ++next) {
         if (at_once()) move(std::exchange(done_s, next->rest_s), next->rest_s);
         deliver(*next);
-        if (at_once()) set_force(reading_m);
+        if (at_once()) set_force();
     }
     move(done_s, step_s_);
     arrived.clear();

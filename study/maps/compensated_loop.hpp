@@ -8,9 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/control/control_settings.hpp"
-#include "common/control/local_fixture.hpp"
-#include "common/control/port_compensator.hpp"
+#include "common/control/controller_ends.hpp"
 #include "common/control/wave_channel.hpp"
 #include "common/control/wave_variables.hpp"
 #include "common/random.hpp"
@@ -51,16 +49,21 @@ class CompensatedLoop {
     void send(double reading_m);
     bool lost();
     void deliver(const Packet& packet);
-    void set_force(double reading_m);
+    void set_force();
     void move(double from_s, double to_s);
-    bool at_once() const { return !port_ && !waves_ && !two_ports_ && !local_; }
+    bool at_once() const { return !waves_ && !two_ports_ && (!end_ || end_->has(THIMBLE_AT_ONCE)); }
+    void meet_wall(double reading_m, Packet& packet);
     Propagator propagator(double duration_s);
 
     CompensatedConditions conditions_;
     HandMotion hand_;
     double step_s_;
-    std::unique_ptr<PortCompensator> port_;
-    std::unique_ptr<LocalFixture> local_;
+    std::unique_ptr<HandleEnd>
+        end_;  // of any controller but waves and two ports, which act in the same sample here
+    std::unique_ptr<SlaveEnd> slave_end_;
+    WaveBurst sent_;
+    double read_before_m_ = 0;
+    bool own_force_ = false;  // the handle's, which has no age
     std::unique_ptr<Waves> waves_;
     std::unique_ptr<TwoPorts> two_ports_;
     RandomStream delays_, losses_;

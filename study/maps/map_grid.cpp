@@ -51,8 +51,10 @@ bool all_within(const std::vector<double>& values, double low, double high) {
 }
 
 bool known_compensator(const MapGrid& grid, const std::string& name) {
-    if (std::find(kCompensatorNames.begin(), kCompensatorNames.end(), name) != kCompensatorNames.end())
+    if (std::find(kBuiltInCompensators.begin(), kBuiltInCompensators.end(), name) !=
+        kBuiltInCompensators.end())
         return true;
+    if (name == kCompensatorNames.back()) return !grid.config.empty();
     const auto same = [&](Modality modality) { return name == to_string(modality); };
     return grid.who == MapOperator::kVirtual && std::any_of(kModalities.begin(), kModalities.end(), same);
 }
@@ -119,7 +121,7 @@ void require_meaningful(const MapGrid& g) {
             "at most 1e8 cells");
     for (const std::string& name : g.compensators) {
         require(known_compensator(g, name),
-                fmt::format("--compensator {}: choose from {}{}", name, fmt::join(kCompensatorNames, ", "),
+                fmt::format("--compensator {}: choose from {}{}", name, fmt::join(kBuiltInCompensators, ", "),
                             g.who == MapOperator::kVirtual ? ", CF, CCF, VF" : "")
                     .c_str());
     }

@@ -3,7 +3,10 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include "common/process/apart.hpp"
+#include "session/settings/system_settings.hpp"
 #include "stability/stability_map.hpp"
 #include "study/maps/cells.hpp"
 #include "study/maps/compensated_loop.hpp"
@@ -12,6 +15,7 @@ namespace thimble {
 namespace {
 
 constexpr double kShareMargin = 0.8;
+constexpr std::size_t kMeasures = 15;  // columns that a cell's measures have
 
 LoopConditions conditions_of(const MapGrid& g, const CellPlace& place) {
     LoopConditions c;
@@ -61,15 +65,11 @@ std::string number_or_nothing(double value, const char* format) {
     return std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "";
 }
 
-}  // namespace
-
-double passive_critical_N_per_m(const MapGrid& grid, const CellPlace& place) {
-    return critical_sampled_stiffness(conditions_of(grid, place).loop).stiffness_N_per_m;
-}
-
-std::string passive_measures(const MapGrid& grid, const CellPlace& place, double critical_N_per_m) {
+std::string measures_of(const MapGrid& grid, const CellPlace& place, const ControlSettings& control,
+                        double critical_N_per_m) {
     CompensatedConditions c;
     c.loop = conditions_of(grid, place);
+    c.control = control;
     c.control.compensator = compensator_named(grid.compensators[place.compensator]);
     c.jitter_s = grid.jitters_s[place.jitter];
     c.loss = grid.losses[place.loss];
@@ -84,6 +84,22 @@ std::string passive_measures(const MapGrid& grid, const CellPlace& place, double
                        static_cast<char>(h.label), h.energy_grows ? "yes" : "no", h.peak_to_peak_m,
                        h.losses_per_s, h.energy_J, number_or_nothing(cell.effective_delay_s, "{:.6g}"),
                        c.control.hand_share());
+}
+
+}  // namespace
+
+double passive_critical_N_per_m(const MapGrid& grid, const CellPlace& place) {
+    return critical_sampled_stiffness(conditions_of(grid, place).loop).stiffness_N_per_m;
+}
+
+std::string passive_measures(const MapGrid& grid, const CellPlace& place, double critical_N_per_m) {
+    if (compensator_named(grid.compensators[place.compensator]) != Compensator::kPlugin)
+        return measures_of(grid, place, {}, critical_N_per_m);
+    const ControlSettings plugin = load_system_settings(grid.config).master.control;
+    const ApartResult apart = run_apart([&] { return measures_of(grid, place, plugin, critical_N_per_m); });
+    if (apart.bytes) return *apart.bytes;
+    spdlog::error("sweep: delay {:g} s: {}", grid.delays_s[place.delay], apart.failure);
+    return std::string(kMeasures - 1, ',');
 }
 
 std::string cells_header() {

@@ -35,7 +35,7 @@ std::vector<CompensatorRow> compare(const std::vector<std::string>& names,
 
 TEST(Compensators, EachCompletesAt50msWithoutTheOscillationOfTheHandle) {
     std::vector<std::string> names{"HF"};
-    for (std::size_t i = 1; i < kCompensatorNames.size(); ++i) {
+    for (std::size_t i = 1; i < kBuiltInCompensators.size(); ++i) {
         if (static_cast<Compensator>(i) != Compensator::kTwoPort) names.emplace_back(kCompensatorNames[i]);
     }
     for (const CompensatorRow& row : compare(names, {0.05}, 2)) {
@@ -70,7 +70,7 @@ TEST(Compensators, WavesGetThroughLossAndJitterByPlayOut) {
 TEST(Compensators, ChangeNothingInOtherModalities) {
     SystemSettings waves = paper();
     waves.master.control.compensator = Compensator::kWave;
-    waves.slave.wave = wave_end_of(waves.master.control, waves.slave.wave);
+    waves.slave.control.control = waves.master.control;
     for (const Modality modality : {Modality::kCF, Modality::kHF}) {
         const TrialRecord a = run_virtual_trial(paper(), trial_of(modality, kPaperDelay));
         const TrialRecord b = run_virtual_trial(waves, trial_of(modality, kPaperDelay));

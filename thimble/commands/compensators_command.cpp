@@ -141,7 +141,9 @@ std::vector<std::string> conditions_of(const SystemSettings& settings, const Com
     if (!a.only.empty() || !settings.plan.names_modalities) return a.only;
     std::vector<std::string> names;
     for (const Modality modality : settings.plan.modalities) names.emplace_back(to_string(modality));
-    for (std::size_t i = 1; i < kCompensatorNames.size(); ++i) names.emplace_back(kCompensatorNames[i]);
+    const bool plugin = settings.master.control.compensator == Compensator::kPlugin;
+    names.insert(names.end(), kBuiltInCompensators.begin() + 1, kBuiltInCompensators.end());
+    if (plugin) names.emplace_back(kCompensatorNames.back());
     return names;
 }
 

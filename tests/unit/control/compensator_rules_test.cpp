@@ -135,7 +135,7 @@ TEST(CompensatorRules, AnEnergyLimitedWaveGivesOutWhatCameIn) {
 // Table [control]: what it takes and what it refuses.
 ControlSettings control_of(const std::string& text) {
     const ConfigFile file = ConfigFile::parse("[control]\n" + text, "session.toml");
-    const ControlSettings settings = read_control_settings(file.table("control"));
+    const ControlSettings settings = read_control_settings(file);
     file.finish();
     return settings;
 }
@@ -150,7 +150,7 @@ TEST(ControlSettings, WithoutATableThereIsNoCompensator) {
 }
 
 TEST(ControlSettings, EachCompensatorHasItsName) {
-    for (std::size_t i = 0; i < kCompensatorNames.size(); ++i) {
+    for (std::size_t i = 0; i < kBuiltInCompensators.size(); ++i) {
         const ControlSettings s = control_of("compensator = \"" + std::string(kCompensatorNames[i]) + "\"");
         EXPECT_EQ(s.compensator, static_cast<Compensator>(i));
         EXPECT_EQ(s.hand_share() < 1, s.compensator == Compensator::kScaled);

@@ -95,7 +95,7 @@ TEST(CompensatedLoop, ABoundHoldsOnAnyNetwork) {
 
 // None falls through to the plain loop: where that oscillates, each moves the hand elsewhere within half a second.
 TEST(CompensatedLoop, EveryCompensatorIsInTheLoop) {
-    for (std::size_t i = 1; i < kCompensatorNames.size(); ++i) {
+    for (std::size_t i = 1; i < kBuiltInCompensators.size(); ++i) {
         CompensatedConditions c = held_at(9000, 0.05);
         LoopSimulator plain(c.loop, 0, 0.05);
         c.control.compensator = static_cast<Compensator>(i);

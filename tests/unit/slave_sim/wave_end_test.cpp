@@ -1,5 +1,5 @@
 // The slave's end of wave variables: each of the master's samples once, in order, whatever the network does.
-#include "slave_sim/wave_end.hpp"
+#include "common/control/wave_end.hpp"
 
 #include <cmath>
 #include <utility>
@@ -11,10 +11,15 @@
 namespace thimble {
 namespace {
 
-WaveEndSettings wave_settings() {
-    WaveEndSettings settings;
-    settings.used = true;
-    settings.damping_Ns_per_m = 0;  // this master feels no drag, and would leave the needle behind
+constexpr double kImpedance_Ns_per_m = 20;
+
+// Without a damper: this master feels no drag, and would leave the needle behind.
+WaveEnd undamped_end() { return WaveEnd({kImpedance_Ns_per_m, 1e-3, 0}, {}, kHandleFullScale_N); }
+
+SlaveControl of(Compensator compensator) {
+    SlaveControl settings;
+    settings.control.compensator = compensator;
+    settings.control.wave_slave_damping_Ns_per_m = 0;
     return settings;
 }
 
@@ -35,14 +40,23 @@ class MovingMaster {
     double position_m_ = 0;
 };
 
+std::uint32_t receive(WaveEnd& end, const NeedleWave& message) {
+    return end.receive(message.command.position_hand_m, message.waves);
+}
+
+// Of a needle at three times the hand, in its frame.
+double step(WaveEnd& end, double plane_m, double stiffness_N_per_m) {
+    return kPositionScale * end.step_m({plane_m / kPositionScale, kPositionScale * stiffness_N_per_m}, 0);
+}
+
 // Steps as often as the message has samples for; the needle afterwards, or `needle_m` if there were none.
 double take(WaveEnd& end, const NeedleWave& message, double needle_m = 0, double plane_m = 1) {
-    for (std::uint32_t left = end.receive(message); left > 0; --left) needle_m = end.step(plane_m, 0, 0);
+    for (std::uint32_t left = receive(end, message); left > 0; --left) needle_m = step(end, plane_m, 0);
     return needle_m;
 }
 
 TEST(WaveEnd, RepeatsMakeGoodForLosses) {
-    WaveEnd complete(wave_settings()), lossy(wave_settings());
+    WaveEnd complete = undamped_end(), lossy = undamped_end();
     MovingMaster master;
     double complete_m = 0, lossy_m = 0;
     for (int n = 0; n < 200; ++n) {
@@ -56,37 +70,37 @@ TEST(WaveEnd, RepeatsMakeGoodForLosses) {
 }
 
 TEST(WaveEnd, WhatComesLateOrTwiceMovesNothing) {
-    WaveEnd end(wave_settings());
+    WaveEnd end = undamped_end();
     MovingMaster master;
     const NeedleWave first = master.next(), second = master.next();
     for (const auto& [message, samples] :
          {std::pair{&first, 1U}, {&first, 0U}, {&second, 1U}, {&first, 0U}}) {
-        ASSERT_EQ(end.receive(*message), samples);
-        if (samples > 0) end.step(1, 0, 0);
+        ASSERT_EQ(receive(end, *message), samples);
+        if (samples > 0) step(end, 1, 0);
     }
 }
 
 TEST(WaveEnd, AfterALongGapItStepsNoMoreThanItsMostAndSaysNothingTwice) {
-    WaveEnd end(wave_settings());
+    WaveEnd end = undamped_end();
     MovingMaster master;
     take(end, master.next());
     for (int n = 0; n < 500; ++n) master.next();
-    const std::uint32_t samples = end.receive(master.next());
+    const std::uint32_t samples = receive(end, master.next());
     EXPECT_EQ(samples, WaveEnd::kMostAtOnce);
-    end.step(1, 0, 0);
+    step(end, 1, 0);
     EXPECT_EQ(end.burst().count, 1U) << "what is repeated must have the number it had";
     EXPECT_EQ(end.burst().number, 501 - samples + 1);
 }
 
 TEST(WaveEnd, AGapOfAsManyAsItTakesAtOnceIsNoneYet) {
     for (const std::uint32_t missing : {WaveEnd::kMostAtOnce - 1, WaveEnd::kMostAtOnce}) {
-        WaveEnd end(wave_settings());
+        WaveEnd end = undamped_end();
         MovingMaster master;
-        end.receive(master.next());
-        end.step(1, 0, 0);
+        receive(end, master.next());
+        step(end, 1, 0);
         for (std::uint32_t n = 0; n < missing; ++n) master.next();
-        EXPECT_EQ(end.receive(master.next()), WaveEnd::kMostAtOnce);
-        end.step(1, 0, 0);
+        EXPECT_EQ(receive(end, master.next()), WaveEnd::kMostAtOnce);
+        step(end, 1, 0);
         EXPECT_EQ(end.burst().count, missing < WaveEnd::kMostAtOnce ? 2U : 1U);
     }
 }
@@ -94,7 +108,7 @@ TEST(WaveEnd, AGapOfAsManyAsItTakesAtOnceIsNoneYet) {
 // Lost for good: the needle stays behind, and goes back to the hand before the plane.
 TEST(WaveEnd, GoesBackToTheHandWhereNothingHoldsIt) {
     for (const double plane_m : {1.0, -1.0}) {  // before it, or beyond
-        WaveEnd end(wave_settings());
+        WaveEnd end = undamped_end();
         MovingMaster master;
         double needle_m = 0, hand_m = 0;
         for (int n = 0; n < 400; ++n) {
@@ -114,26 +128,25 @@ TEST(WaveEnd, GoesBackToTheHandWhereNothingHoldsIt) {
 // A steady wave u presses with sqrt(2 b) u at the hand: the needle is then that far beyond the plane, as its stiffness says.
 TEST(WaveEnd, ASteadyWaveLeansOnThePlanesStiffness) {
     constexpr double kPlane_m = 0.01, kStiffness_N_per_m = 1000, kWave_root_W = 0.5;
-    const WaveEndSettings settings = wave_settings();
-    WaveEnd end(settings);
+    WaveEnd end = undamped_end();
     WaveSender sender{{}};
     double needle_m = 0;
     for (int n = 0; n < 2000; ++n) {
         NeedleWave message;
         message.waves = sender.add(kWave_root_W);
-        end.receive(message);
-        needle_m = end.step(kPlane_m, kStiffness_N_per_m, 0);
+        receive(end, message);
+        needle_m = step(end, kPlane_m, kStiffness_N_per_m);
     }
-    const double force_N = std::sqrt(2 * settings.impedance_Ns_per_m) * kWave_root_W;
+    const double force_N = std::sqrt(2 * kImpedance_Ns_per_m) * kWave_root_W;
     EXPECT_NEAR(needle_m - kPlane_m, force_N / kStiffness_N_per_m, 1e-9);
 }
 
 // A slave with such an end, and a fixture at 3 mm.
 struct SlaveWithWaves {
-    explicit SlaveWithWaves(const WaveEndSettings& settings) : node(with(settings)) { start(Modality::kHF); }
-    static SlaveSettings with(const WaveEndSettings& wave) {
+    explicit SlaveWithWaves(const SlaveControl& settings) : node(with(settings)) { start(Modality::kHF); }
+    static SlaveSettings with(const SlaveControl& control) {
         SlaveSettings settings;
-        settings.wave = wave;
+        settings.control = control;
         return settings;
     }
     void start(Modality modality) {
@@ -151,7 +164,7 @@ struct SlaveWithWaves {
 };
 
 TEST(WaveEnd, InASlaveTheFixtureStopsTheNeedleAndTheWaveSaysSo) {
-    SlaveWithWaves slave(wave_settings());
+    SlaveWithWaves slave(of(Compensator::kWave));
     ASSERT_TRUE(slave.node.waves());
     ForceFeedback feedback;
     for (std::uint32_t n = 0; n < 600; ++n)
@@ -168,9 +181,7 @@ TEST(WaveEnd, InASlaveTheFixtureStopsTheNeedleAndTheWaveSaysSo) {
 
 // A hand that presses takes energy out of the network at this end, and brings none into it.
 TEST(WaveEnd, InASlaveOfTwoPortsPressingTakesEnergyOut) {
-    WaveEndSettings settings;
-    settings.two_port = true;
-    SlaveWithWaves slave(settings);
+    SlaveWithWaves slave(of(Compensator::kTwoPort));
     NeedleWave message;
     message.waves.energy_J = 10;  // more than enough was told
     ForceFeedback feedback;
@@ -184,7 +195,7 @@ TEST(WaveEnd, InASlaveOfTwoPortsPressingTakesEnergyOut) {
 
 // The oldest of the samples that a message brings would lie before the clock's origin.
 TEST(WaveEnd, InASlaveSamplesFromBeforeTheOriginAreRefused) {
-    SlaveWithWaves slave(wave_settings());
+    SlaveWithWaves slave(of(Compensator::kWave));
     slave.take(5, 0, slave.master.next());
     EXPECT_EQ(slave.node.refused(), 0U);
     for (int n = 0; n < 10; ++n) slave.master.next();

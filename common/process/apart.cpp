@@ -1,0 +1,124 @@
+#include "common/process/apart.hpp"
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+#include <optional>
+#include <poll.h>
+#include <string_view>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
+
+namespace thimble {
+#ifdef __EMSCRIPTEN__
+// A browser has no processes.
+ApartResult run_apart(const std::function<std::string()>& work, Duration /*limit*/) { return {work(), {}}; }
+#else
+namespace {
+
+constexpr char kGood = 'g', kBad = 'b';
+constexpr Duration kLastWords = std::chrono::milliseconds{300};
+
+bool write_all(int to, std::string_view bytes) {
+    while (!bytes.empty()) {
+        const ssize_t written = write(to, bytes.data(), bytes.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) return false;
+        bytes.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return true;
+}
+
+std::string answer_of(const std::function<std::string()>& work) {
+    try {
+        return kGood + work();
+    } catch (const std::exception& error) {
+        return fmt::format("{}{}", kBad, error.what());
+    }
+}
+
+// No destructor and no handler of the parent runs here.
+[[noreturn]] void be_the_child(const std::function<std::string()>& work, int answer, int words) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (words >= 0) dup2(words, STDERR_FILENO);
+    // A foreign exit() within `work` gives no answer.
+    _exit(write_all(answer, answer_of(work)) ? 0 : 1);
+}
+
+// Until its end, or the time limit: false.
+bool read_until(int from, SessionTime end, std::string& bytes) {
+    for (std::array<char, 65536> block{};;) {
+        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - wall_now());
+        if (left.count() <= 0) return false;
+        pollfd ready{from, POLLIN, 0};
+        if (poll(&ready, 1, static_cast<int>(std::min<std::int64_t>(left.count(), 1000))) <= 0) continue;
+        const ssize_t got = read(from, block.data(), block.size());
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) return true;
+        bytes.append(block.data(), static_cast<std::size_t>(got));
+    }
+}
+
+std::string last_line(int words) {
+    std::array<char, 512> end{};
+    const off_t size = lseek(words, 0, SEEK_END);
+    const ssize_t got = pread(words, end.data(), end.size(), std::max<off_t>(0, size - off_t{end.size()}));
+    std::string_view text(end.data(), got > 0 ? static_cast<std::size_t>(got) : 0);
+    while (!text.empty() && text.back() == '\n') text.remove_suffix(1);
+    return std::string(text.substr(text.rfind('\n') + 1));
+}
+
+std::string end_text(int status) {
+    if (WIFSIGNALED(status))
+        return fmt::format("it was ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+    return fmt::format("it ended the program with exit code {}", WEXITSTATUS(status));
+}
+
+int wait_for(pid_t child) {
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    return status;
+}
+
+}  // namespace
+
+ApartResult run_apart(const std::function<std::string()>& work, Duration limit) {
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw Error(ExitCode::kRunFailed, "no pipe for a child process");
+    const FileDescriptor answer(ends[0]), words(memfd_create("words", MFD_CLOEXEC));
+    std::optional<FileDescriptor> to_parent(std::in_place, ends[1]);
+    std::fflush(nullptr);  // or the child would write it as well
+    const pid_t child = fork();
+    if (child < 0) throw Error(ExitCode::kRunFailed, "no child process: {}", std::strerror(errno));
+    if (child == 0) be_the_child(work, to_parent->get(), words.get());
+    to_parent.reset();
+    std::string bytes;
+    const bool ended = read_until(answer.get(), wall_now() + limit, bytes);
+    if (!ended) {
+        kill(child, SIGXCPU);  // a plug-in's name is said then (common/control/controller_calls.cpp)
+        read_until(answer.get(), wall_now() + kLastWords, bytes);
+        kill(child, SIGKILL);
+    }
+    const int status = wait_for(child);
+    if (ended && !bytes.empty() && bytes.front() == kGood && status == 0) return {bytes.substr(1), {}};
+    if (ended && !bytes.empty() && bytes.front() == kBad) return {std::nullopt, bytes.substr(1)};
+    const std::string said = last_line(words.get());
+    const std::string how =
+        ended ? end_text(status) : fmt::format("it took longer than {} s", to_seconds(limit));
+    return {std::nullopt, said.empty() ? how : fmt::format("{}; {}", said, how)};
+}
+#endif
+
+}  // namespace thimble

@@ -1,0 +1,54 @@
+// thimble board --check: each fault is found, and none in the example.
+#include "study/board/plugin_check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/plugin/plugins.hpp"
+
+namespace thimble::test {
+namespace {
+
+using testing::HasSubstr;
+
+// The rules that a fault breaks.
+std::string broken(Fault fault, Duration limit = std::chrono::seconds{60}) {
+    std::string text;
+    for (const PluginFinding& finding :
+         check_plugin(plugin_file("bad"), {static_cast<double>(fault)}, limit).findings)
+        if (!finding.kept) text += finding.rule + ": " + finding.words + "\n";
+    return text;
+}
+
+TEST(PluginCheck, TheExampleKeepsAllRules) {
+    const PluginCheck check = check_plugin(plugin_file("mine"));
+    EXPECT_TRUE(check.good()) << check.text();
+    EXPECT_EQ(check.exit_code(), 0);
+    EXPECT_EQ(check.findings.size(), 6U) << "it does not say that it is passive";
+    EXPECT_THAT(check.json(), HasSubstr("\"good\": true"));
+}
+
+TEST(PluginCheck, EachFaultIsNamed) {
+    EXPECT_THAT(broken(Fault::kAllocate), HasSubstr("asked for or released memory"));
+    EXPECT_THAT(broken(Fault::kClock), HasSubstr("read a clock"));
+    EXPECT_THAT(broken(Fault::kRange), HasSubstr("stays in range: force() gave 1e+06 N"));
+    EXPECT_THAT(broken(Fault::kNotANumber), HasSubstr("are no numbers"));
+    EXPECT_THAT(broken(Fault::kGlobal), HasSubstr("other forces from sample"));
+    EXPECT_THAT(broken(Fault::kRemember), HasSubstr("depends on the trial before"));
+    EXPECT_THAT(broken(Fault::kActive), HasSubstr("is passive, as it says: it gave out"));
+    EXPECT_THAT(broken(Fault::kCrash), HasSubstr("crashed in sample()"));
+    EXPECT_THAT(broken(Fault::kLeave), HasSubstr("exit code 0"));
+    EXPECT_THAT(broken(Fault::kRefuse), HasSubstr("create()"));
+    EXPECT_THAT(broken(Fault::kHang, std::chrono::milliseconds{300}),
+                HasSubstr("did not come back from force()"));
+}
+
+TEST(PluginCheck, OneThatCannotBeLoadedIsOneFinding) {
+    const PluginCheck check = check_plugin(plugin_file("bad_abi"));
+    ASSERT_EQ(check.findings.size(), 1U);
+    EXPECT_THAT(check.text(), HasSubstr("version 99"));
+    EXPECT_EQ(check.exit_code(), 1);
+}
+
+}  // namespace
+}  // namespace thimble::test

@@ -1,0 +1,45 @@
+// The plug-ins that the tests are built with, and the faults of bad_plugin.c.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/control/plugin.hpp"
+
+namespace thimble::test {
+
+// As in bad_plugin.c.
+enum class Fault {
+    kNone,
+    kCrash,
+    kNotANumber,
+    kHang,
+    kAllocate,
+    kClock,
+    kRange,
+    kLeave,
+    kRefuse,
+    kGlobal,
+    kActive,
+    kRemember,
+    kAbort
+};
+
+inline std::filesystem::path plugin_file(const std::string& name) {
+    return std::filesystem::path(THIMBLE_PLUGINS) / (name + ".so");
+}
+
+inline ControlSettings control_of(const std::string& name) {
+    ControlSettings control;
+    control.compensator = Compensator::kPlugin;
+    control.plugin = load_plugin(plugin_file(name));
+    return control;
+}
+
+inline ControlSettings bad(Fault fault) {
+    ControlSettings control = control_of("bad");
+    control.plugin.values = {static_cast<double>(fault)};
+    return control;
+}
+
+}  // namespace thimble::test
