@@ -93,7 +93,7 @@ class PredictedShareEnd {
     AgeEstimate age_;
 };
 
-constexpr std::array kFixtureKeys{
+constexpr std::array kAdaptiveFixtureKeys{
     thimble_controller_key{"local_stiffness_N_per_m", 3000, 1, 1e6, "At the hand, before it is learnt."},
     thimble_controller_key{"local_stiffest_N_per_m", 9000, 1, 1e6, "Never stiffer."},
     thimble_controller_key{"local_memory_samples", 200, 1, 1e6,
@@ -110,8 +110,8 @@ thimble_controller adaptive_fixture_table() {
     thimble_controller table{};
     table.name = "adaptive-fixture";
     table.source = "Mitra and Niemeyer 2008; RFC 3550";
-    table.keys = kFixtureKeys.data();
-    table.key_count = static_cast<std::uint32_t>(kFixtureKeys.size());
+    table.keys = kAdaptiveFixtureKeys.data();
+    table.key_count = static_cast<std::uint32_t>(kAdaptiveFixtureKeys.size());
     return with_memory<AdaptiveFixtureEnd>(with_handle<AdaptiveFixtureEnd>(table));
 }
 
