@@ -68,7 +68,7 @@ void SlaveProcess::work(SessionTime now) {
     if (running() && now >= next_hold_) {
         stale_record_.watch(now, trial(), true);
         send(now, node_.hold());
-        fill_.reset();  // the next command may be of another master, with another clock
+        fill_.pause();
         next_hold_ = now + stale_after_;
     }
     if (running() && now >= next_beep_) send_beep(now);

@@ -102,6 +102,8 @@ class NeedleFill {
         known_ = false;
         next_ = kNever;
     }
+    // The needle is held: no further sample until the next packet.
+    void pause() { next_ = kNever; }
     bool used() const { return settings_.command != HapticCodec::kNone; }
     // A packet came. True: it is newer than all samples so far, and is answered now. Else it counts from the next sample on.
     bool heard(SessionTime now, const Header& header, const NeedleWave& message) {
@@ -109,7 +111,9 @@ class NeedleFill {
         newest_ = header.send_time;
         sample_.sequence = header.sequence;
         sent_ = message;
-        const bool ahead = !known_ || newest_ > sample_.stamp;
+        // Another master has another clock.
+        const bool ahead = !known_ || header.instance != instance_ || newest_ > sample_.stamp;
+        instance_ = header.instance;
         if (ahead) sample_.stamp = newest_;
         fresh_ = !ahead;
         if (ahead) next_ = now + period_ + period_ / 2;
@@ -142,6 +146,7 @@ class NeedleFill {
     Duration period_;
     bool known_ = false;
     bool fresh_ = false;  // the newest packet has not moved the needle yet
+    std::uint64_t instance_ = 0;
     SessionTime newest_{}, next_ = kNever;
     NeedleWave sent_;
     Sample sample_;

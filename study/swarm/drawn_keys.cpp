@@ -20,9 +20,9 @@ namespace {
 
 constexpr std::uint32_t kMostKeys = 10;
 
-// Tables of programs, machines, people and files.
-constexpr std::array<std::string_view, 8> kElsewhere{"network", "security", "runtime",      "launch",
-                                                     "log",     "dataset",  "instructions", "protocol"};
+// Tables of programs, machines, people and files. Of [codec], whose predicted forces the rule force-sent does not know.
+constexpr std::array<std::string_view, 9> kElsewhere{"network", "security",     "runtime",  "launch", "log",
+                                                     "dataset", "instructions", "protocol", "codec"};
 
 // Beyond these a trial takes seconds of a processor, or is only a long wait.
 struct Cap {
