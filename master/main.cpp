@@ -15,6 +15,9 @@
 #include "master/devices/falcon/falcon_guardian.hpp"
 #endif
 #include "master/devices/open_handle.hpp"
+#ifdef THIMBLE_ROS2_HANDLE
+#include "master/devices/ros2_handle.hpp"
+#endif
 #include "master/master_process.hpp"
 
 namespace {
@@ -24,14 +27,14 @@ using namespace thimble;
 constexpr Duration kLookAgain = std::chrono::milliseconds{20};
 
 // Until its user has made it ready (homing), saying how far that is.
-void await_user(Handle& handle, Duration limit) {
+void await_user(Handle& handle, HandleKind kind, Duration limit) {
     const SessionTime end = wall_now() + limit;
     std::string said;
     for (std::string request = handle.awaits(); !request.empty(); request = handle.awaits()) {
         if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted; " + request);
         if (wall_now() > end) {
-            throw Error(ExitCode::kRunFailed, "{} (waited for {} s, [handle.falcon] homing_limit_s)", request,
-                        to_seconds(limit));
+            throw Error(ExitCode::kRunFailed, "{} (waited for {} s{})", request, to_seconds(limit),
+                        kind == HandleKind::kFalcon ? ", [handle.falcon] homing_limit_s" : "");
         }
         if (request != said) spdlog::warn(request);
         said = request;
@@ -54,12 +57,35 @@ HandleSettings read_handle(const ConfigFile& file, bool pointer) {
     return settings;
 }
 
+#ifdef THIMBLE_ROS2_HANDLE
+constexpr const char* kName = "thimble-ros2-master";
+// Another machine's positions have no protection in DDS.
+std::shared_ptr<Handle> make_handle(const ConfigFile& file, const HandleSettings& settings) {
+    if (settings.kind != HandleKind::kRos2)
+        throw Error(ExitCode::kUsage, "{} is for [handle] device = \"ros2\": use thimble-master", kName);
+    const auto ros2 = read_ros2_handle_settings(file.table("handle").table("ros2"));
+    if (leaves_this_machine(ros2.interface) && !read_security_settings(file).allow_unprotected_network)
+        throw Error(
+            ExitCode::kUsage,
+            "[handle.ros2] interface: '{}' is not this machine alone, and DDS has no protection there: "
+            "stay on 127.0.0.1, or say [security] allow_unprotected_network = true (docs/security.md)",
+            ros2.interface);
+    return std::make_shared<Ros2Handle>(ros2, settings.force_limit_N);
+}
+#else
+constexpr const char* kName = "thimble-master";
+std::shared_ptr<Handle> make_handle(const ConfigFile& file, const HandleSettings& settings) {
+    return open_handle(settings, read_operator_parameters(file.table("operator")),
+                       read_runtime_settings(file));
+}
+#endif
+
 class Master final : public NodeInstance {
   public:
     Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance, const HandleSettings& settings)
-        : user_limit_(user_limit(settings)),
-          handle_(open_handle(settings, read_operator_parameters(file.table("operator")),
-                              read_runtime_settings(file))),
+        : kind_(settings.kind),
+          user_limit_(user_limit(settings)),
+          handle_(make_handle(file, settings)),
           settings_(read_master(file, settings.kind)),
           process_(instance, settings_, sockets, *handle_, *handle_, handle_->follower()) {
         if (handle_->name().empty()) return;
@@ -70,7 +96,7 @@ class Master final : public NodeInstance {
     }
 
     NodeProcess& process() override { return process_; }
-    void bring_up() override { await_user(*handle_, user_limit_); }
+    void bring_up() override { await_user(*handle_, kind_, user_limit_); }
     void describe(nlohmann::ordered_json& report) const override {
         report["samples"] = process_.samples();
         report["samples_skipped"] = process_.samples_skipped();
@@ -86,6 +112,7 @@ class Master final : public NodeInstance {
     }
 
   private:
+    HandleKind kind_;
     Duration user_limit_;
     std::shared_ptr<Handle> handle_;
     MasterSettings settings_;
@@ -100,13 +127,13 @@ int main(int argc, char** argv) {
 #endif
     bool pointer = false;
     NodeProgram program;
-    program.name = "thimble-master";
+    program.name = kName;
     program.description =
         "Reads the handle 1000 times a second, sends the needle to thimble-slave-sim through thimble-netem, "
         "and gives "
         "the returned force to the handle. The handle is simulated, with a virtual operator's hand on it, or "
         "drawn by a person's pointer, SpaceMouse or gamepad, or a real one (docs/handles.md).";
-    program.example = "thimble-master deploy/sessions/delay50.toml";
+    program.example = std::string(kName) + " deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "master", "guard", "handle", "operator", "control", "codec"};
     program.add_options = [&pointer](CLI::App& app) {
         app.add_flag("--pointer", pointer, "a person's pointer draws the handle, instead of [handle].device");

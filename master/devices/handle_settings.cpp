@@ -3,6 +3,8 @@
 #include <array>
 #include <string_view>
 
+#include "master/devices/remote_handle.hpp"
+
 namespace thimble {
 namespace {
 
@@ -64,13 +66,14 @@ FalconSettings read_falcon(const ConfigTable& table) {
 }  // namespace
 
 Duration user_limit(const HandleSettings& settings) {
+    if (settings.kind == HandleKind::kRos2) return kRos2DriverLimit;
     return settings.kind == HandleKind::kFalcon ? settings.falcon.homing_limit : Duration::zero();
 }
 
 HandleSettings read_handle_settings(const ConfigTable& table) {
     HandleSettings settings;
     table.read("device", settings.kind,
-               {"simulated", "pointer", "keyboard", "hid", "force-dimension", "falcon"},
+               {"simulated", "pointer", "keyboard", "hid", "force-dimension", "falcon", "ros2"},
                "Who moves the handle, or which real one it is (docs/handles.md); in virtual time the first.");
     table.read("encoder_resolution_m", settings.encoder_resolution_m, 1e-9, 1e-3, "Of the hand's position.");
     table.read("force_limit_N", settings.force_limit_N, 0.1, 100, "Of the device, both ways.");
@@ -88,6 +91,7 @@ HandleSettings read_handle_settings(const ConfigTable& table) {
     settings.force_dimension = read_force_dimension(table.table("force_dimension"));
     settings.falcon = read_falcon(table.table("falcon"));
     settings.hid = read_hid_hand_settings(table.table("hid"));
+    read_ros2_handle_settings(table.table("ros2"));
     return settings;
 }
 

@@ -17,6 +17,7 @@ enum class HandleKind : std::uint8_t {
     kHid,             // by a person's SpaceMouse, joystick or gamepad (hid/hid_hand.hpp)
     kForceDimension,  // a real one (docs/handles.md)
     kFalcon,          // a real one
+    kRos2,            // a real one that another program reads and drives (remote_handle.hpp)
 };
 
 // Between a person's pointer and the simulated handle. A pointer is a position that no force can move, so the
@@ -46,10 +47,10 @@ constexpr bool held_by_person(HandleKind kind) { return kind != HandleKind::kSim
 
 // It has motors of its own.
 constexpr bool is_real(HandleKind kind) {
-    return kind == HandleKind::kForceDimension || kind == HandleKind::kFalcon;
+    return kind >= HandleKind::kForceDimension;
 }
 
-// How long its user may take to make it ready, each time that the master starts: to home a Falcon.
+// How long its user may take to make it ready, each time that the master starts: to home a Falcon, to start a ROS 2 driver.
 Duration user_limit(const HandleSettings& settings);
 
 // Throws Error (usage).

@@ -58,6 +58,11 @@ std::shared_ptr<Handle> open_handle(const HandleSettings& settings, const Operat
                                                           DhdLibrary(settings.force_dimension.library));
         case HandleKind::kFalcon:
             return open_falcon_here(settings, runtime);
+        case HandleKind::kRos2:
+            throw Error(
+                ExitCode::kUsage,
+                "[handle] device = \"ros2\" is for thimble-ros2-master, which 'thimble run' starts in the "
+                "place of thimble-master (docs/ros2.md)");
         case HandleKind::kSimulated:
             break;
     }

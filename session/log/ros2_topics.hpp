@@ -1,4 +1,4 @@
-// What ROS 2 hears of a session, in a file (thimble log export --ros2) and live (thimble-ros2): topics by CRTK's names, types, frames.
+// A session's topics in ROS 2, in a file (thimble log export --ros2) and live (thimble-ros2): CRTK's names, types, frames.
 #pragma once
 
 #include <array>

@@ -9,15 +9,15 @@
 
 #include "common/error.hpp"
 #include "common/network_settings.hpp"
+#include "common/ros2/ros2_bus.hpp"
+#include "common/ros2/ros2_values.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
 #include "session/observe/observers.hpp"
-#include "session/observe/ros2_bus.hpp"
 #include "session/observe/ros2_news.hpp"
-#include "session/observe/ros2_values.hpp"
 #include "visual_node/views/monitor_receiver.hpp"
 
 namespace {

@@ -1,4 +1,4 @@
-// What the Monitors of a session say between the numbers: its events and its state, as texts. Pure.
+// The events and the state of a session, as texts, from its Monitors. Pure.
 #pragma once
 
 #include <cstdint>

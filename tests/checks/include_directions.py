@@ -11,7 +11,7 @@ from sources import RANKS, ROOTS, read_tree, report, room_of, without_comments
 RANK = {room: rank for rank, rooms in enumerate(RANKS) for room in rooms}
 # Sub-rooms, lowest first. "." is the room's own folder; where it is absent, that folder and its sub-rooms share a rank.
 SUB_ROOMS = {
-    "common": ("control", "reduction", "velocity", "security", "hid", "log", "csv", "runtime", "process"),
+    "common": ("control", "reduction", "velocity", "security", "hid", "log", "csv", "runtime", "process", "ros2"),
     "netem": ("stages", "formats", "import", "profiles", "relay", "shell", "commands"),
     "master": ("operator", "devices"),
     "slave_sim": ("elements",),

@@ -14,7 +14,7 @@ SCRIPT = re.compile(r'^(?:\./)?((?:deploy|tests|bench|docs|examples|\.ci)/[\w./-
 # Its commands are mistakes on purpose, and run.
 ON_PURPOSE = 'error-walk.md'
 # Not built everywhere; what is absent is said, not passed over.
-ABSENT = {'thimble-igtl', 'thimble-ros2', 'thimble-bench', 'thimble-bench-window'}
+ABSENT = {'thimble-igtl', 'thimble-ros2', 'thimble-ros2-master', 'thimble-bench', 'thimble-bench-window'}
 
 
 @functools.cache

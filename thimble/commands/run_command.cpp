@@ -28,12 +28,31 @@ struct RunArguments : RealRunArguments {
     CLI::Option* answer_limit_option = nullptr;
 };
 
+// The master that speaks ROS 2 is a program of its own (THIMBLE_ROS2).
+void take_ros2_master(LaunchSettings& launch) {
+    auto& master = launch.own_programs.at(static_cast<std::size_t>(Role::kMaster));
+    if (!master.empty()) return;
+    if (launch.anywhere_else())
+        throw Error(
+            ExitCode::kUsage,
+            "[handle] device = \"ros2\" is for sessions on one machine: leave the keys machine_... of "
+            "[launch] out");
+    master = program_folder() / "thimble-ros2-master";
+    if (std::filesystem::exists(master)) return;
+    throw Error(
+        ExitCode::kUsage,
+        "[handle] device = \"ros2\" needs {}, which is not there: install the package thimble-ros2, or "
+        "build with -DTHIMBLE_ROS2=ON",
+        master.string());
+}
+
 LaunchSettings launch_of(const RunArguments& arguments, const SystemSettings& settings) {
     LaunchSettings launch = settings.launch;
     if (!arguments.exec.empty()) launch.exec = arguments.exec;
     if (!arguments.programs.empty()) launch.programs = arguments.programs;
     if (exec_words(launch, "x").empty())
         throw Error(ExitCode::kUsage, "--exec is empty: leave it out for ssh");
+    if (settings.handle.kind == HandleKind::kRos2) take_ros2_master(launch);
     return launch;
 }
 

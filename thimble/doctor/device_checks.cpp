@@ -97,10 +97,12 @@ Diagnosis check_fingertip(const Facts& facts) {
 Diagnosis check_device_software(const Facts& facts) {
     Diagnosis finding{"device driver"};
     const std::string& problem = facts.session.software_problem;
+    const std::string& handle = facts.session.handle;
     if (!problem.empty())
-        return finding.is(
-            Severity::kFault, problem,
-            facts.session.handle == "falcon" ? "sha256sum FIRMWARE" : "export FDSDK=/path/to/the/sdk");
+        return finding.is(Severity::kFault, problem,
+                          handle == "falcon" ? "sha256sum FIRMWARE"
+                          : handle == "ros2" ? "sudo apt-get install thimble-ros2"
+                                             : "export FDSDK=/path/to/the/sdk");
     return finding.is(Severity::kOk, "the handle of this session needs no SDK and no firmware, or has it");
 }
 

@@ -23,6 +23,7 @@
 #include "master/devices/force_dimension/dhd_library.hpp"
 #include "session/clocks/chrony.hpp"
 #include "session/launch/node_kinds.hpp"
+#include "session/settings/session_files.hpp"
 #include "session/settings/system_settings.hpp"
 #include "thimble/doctor/facts.hpp"
 
@@ -186,6 +187,9 @@ std::string software_problem(const HandleSettings& handle) {
             return fmt::format("[handle.falcon] firmware: {} has the SHA-256 {}, not the one of the session",
                                firmware, sum);
     }
+    const auto master = program_folder() / "thimble-ros2-master";
+    if (handle.kind == HandleKind::kRos2 && !fs::exists(master))
+        return fmt::format("[handle] device = \"ros2\" needs {}, which is not there", master.string());
     if (handle.kind != HandleKind::kForceDimension) return "";
     try {
         const DhdLibrary sdk(handle.force_dimension.library);

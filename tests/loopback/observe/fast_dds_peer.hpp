@@ -1,4 +1,4 @@
-// Another program's side of ROS 2's topics: Fast DDS, with the code that its own generator makes of session/observe/ros2.idl.
+// Another program's side of ROS 2's topics: Fast DDS, with the code that its own generator makes of common/ros2/ros2.idl.
 #pragma once
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>

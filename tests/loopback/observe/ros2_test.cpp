@@ -127,19 +127,15 @@ TEST(Ros2, AnotherDdsHearsEachNumber) {
     EXPECT_EQ(program.end(), 0) << program.words();
 }
 
-// Under a lab key, of which the view has to hold one as well.
-TEST(Ros2, AnotherDdsHearsARunningSession) {
+// Its needle moves, its trial is told, and its end as well.
+void expect_heard(const SessionFile& session, const std::vector<std::string>& clock) {
     const Folder folder;
-    const auto key = folder / "lab.key";
-    create_lab_key(key, system_random_bytes());
-    SessionFile session = SessionFile::endless();
-    session.more = under_lab_key(key);
     const auto config = folder.write("session.toml", session.text()).string();
     FastDdsPeer peer;
     auto* const needle = peer.reader<HeardPose>("/thimble/slave_sim/measured_cp");
     auto* const events = peer.reader<HeardString>("/thimble/session/event", true);
     auto* const state = peer.reader<HeardString>("/thimble/session/state", true);
-    RealRun run(session, {"--monitor"});
+    RealRun run(session, clock);
     Ros2Program program(config, run.base_port());
     double first_m = 1, last_m = 0;
     EXPECT_TRUE(wait_until([&] {
@@ -160,6 +156,22 @@ TEST(Ros2, AnotherDdsHearsARunningSession) {
     }));
     EXPECT_THAT(states, Contains(HasSubstr("running trial 1 HF")));
     EXPECT_EQ(program.end(), 0) << program.words();
+}
+
+// Under a lab key, which the observer reads too.
+TEST(Ros2, AnotherDdsHearsARunningSession) {
+    const Folder folder;
+    const auto key = folder / "lab.key";
+    create_lab_key(key, system_random_bytes());
+    SessionFile session = SessionFile::endless();
+    session.more = under_lab_key(key);
+    expect_heard(session, {"--monitor"});
+}
+
+TEST(Ros2, AnotherDdsHearsASessionInLockStep) {
+    SessionFile session = SessionFile::endless(kEndlessInLockStep_s);
+    session.more = kUnprotectedTable;
+    expect_heard(session, {"--monitor", "--clock", "lock-step"});
 }
 
 TEST(Ros2, HelpNamesTopicsAndTypes) {

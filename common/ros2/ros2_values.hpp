@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "ros2.h"
-#include "session/log/ros2_topics.hpp"
 
 namespace thimble {
 

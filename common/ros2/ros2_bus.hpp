@@ -29,7 +29,7 @@ class Ros2Bus : boost::noncopyable {
     dds_entity_t writer(const std::string& topic, const dds_topic_descriptor_t& type, Ros2Quality quality);
     dds_entity_t reader(const std::string& topic, const dds_topic_descriptor_t& type, Ros2Quality quality);
 
-    // Never waits. What cannot be sent at once is counted.
+    // Never waits. A message that cannot be sent at once is counted.
     void write(dds_entity_t writer, const void* sample) {
         if (dds_write(writer, sample) != DDS_RETCODE_OK) ++unsent_;
     }

@@ -1,0 +1,138 @@
+// A real handle that another program reads and drives: positions come as messages and forces go as messages. This half is pure; a
+// subclass brings the messages (ros2_handle.hpp).
+//
+// Positions come from one writer in a trial, the first. A position is refused and counted if it is no number, out of reach, from another writer, or
+// further from the last one than a hand gets meanwhile. Without a good position for kStaleAfter the handle has no force and no sample,
+// so the needle is held; for kLostAfter, its fault ends the trial. The next trial takes the handle wherever it is.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "common/config.hpp"
+#include "master/devices/handle.hpp"
+
+namespace thimble {
+
+// For a driver to be started.
+inline constexpr Duration kRos2DriverLimit = std::chrono::seconds{60};
+
+// Table [handle.ros2] of a session file.
+struct Ros2HandleSettings {
+    std::string interface = "127.0.0.1";
+};
+inline Ros2HandleSettings read_ros2_handle_settings(const ConfigTable& table) {
+    Ros2HandleSettings settings;
+    table.read("interface", settings.interface,
+               "Address of the one interface that DDS uses; not this machine alone: see docs/ros2.md.");
+    return settings;
+}
+
+class RemoteHandle : public Handle {
+  public:
+    static constexpr Duration kStaleAfter = std::chrono::milliseconds{20};
+    static constexpr Duration kLostAfter = std::chrono::milliseconds{300};  // before slave_sim gives up
+    static constexpr double kReach_m = 1;
+    // No hand is faster, for as long as a position is not stale; and an encoder's noise.
+    static constexpr double kFastest_m_per_s = 5, kNoise_m = 0.001;
+
+    explicit RemoteHandle(double force_limit_N) : force_limit_N_(force_limit_N) {}
+
+    void start_trial(SessionTime now, const OperatorTask& /*task*/) override {
+        placed_ = false;
+        fault_.clear();
+        heard_ = now;
+    }
+    HandleSample read(SessionTime now) override {
+        listen(now);
+        look(now);
+        return {position_m_, force_N_, placed_ && !stale_ && fault_.empty()};
+    }
+    void command_force(SessionTime now, double force_hand_N) override {
+        const bool allowed = enabled_ && placed_ && !stale_ && fault_.empty() && std::isfinite(force_hand_N);
+        give(now, allowed ? std::clamp(force_hand_N, -force_limit_N_, force_limit_N_) : 0);
+    }
+    void enable_force(SessionTime now, bool enabled) override {
+        enabled_ = enabled;
+        if (!enabled) give(now, 0);
+    }
+    // Between trials nobody reads, but the driver on the other side waits for forces.
+    bool take_stop(SessionTime now) override {
+        listen(now);
+        if (now - given_ >= kSignOfLife) give(now, enabled_ ? force_N_ : 0);
+        return false;
+    }
+    SessionTime next_look() const override { return given_ + kSignOfLife; }
+    std::string_view fault() const override { return fault_; }
+
+    void describe(nlohmann::ordered_json& report) const override {
+        report["remote"] = {{"positions", positions_},
+                            {"not_numbers", not_numbers_},
+                            {"jumps", jumps_},
+                            {"other_writers", other_writers_},
+                            {"stale", stales_}};
+    }
+
+  protected:
+    // Brings what has come: calls take_position(), oldest first.
+    virtual void listen(SessionTime now) = 0;
+    // To the other program; positive pushes the hand out.
+    virtual void tell_force(double force_hand_N) = 0;
+    // For the fault's text: "the ROS 2 driver at /thimble/handle/measured_cp".
+    virtual std::string driver() const = 0;
+
+    void take_position(SessionTime now, std::uint64_t writer, double position_m) {
+        if (!std::isfinite(position_m) || std::fabs(position_m) > kReach_m) {
+            ++not_numbers_;
+            return;
+        }
+        if (placed_ && writer != writer_) {
+            ++other_writers_;
+            return;
+        }
+        const double passed_s = to_seconds(std::min<Duration>(now - heard_, kStaleAfter));
+        if (placed_ && std::fabs(position_m - position_m_) > kFastest_m_per_s * passed_s + kNoise_m) {
+            ++jumps_;
+            return;
+        }
+        ++positions_;
+        position_m_ = position_m;
+        writer_ = writer;
+        heard_ = now;
+        placed_ = true;
+    }
+    bool heard_within(SessionTime now, Duration limit) const { return placed_ && now - heard_ < limit; }
+
+  private:
+    static constexpr Duration kSignOfLife = std::chrono::milliseconds{10};
+
+    void look(SessionTime now) {
+        const bool stale = now - heard_ > kStaleAfter;
+        if (stale && !stale_) ++stales_;
+        stale_ = stale;
+        if (stale) give(now, 0);
+        if (now - heard_ <= kLostAfter || !fault_.empty()) return;
+        fault_ = driver() +
+                 " has sent no position that can be used for 300 ms: does it run, without jumps, and with "
+                 "numbers? The next trial takes the handle where it is.";
+    }
+    void give(SessionTime now, double force_hand_N) {
+        force_N_ = force_hand_N;
+        given_ = now;
+        tell_force(force_hand_N);
+    }
+
+    double force_limit_N_;
+    bool enabled_ = false, placed_ = false, stale_ = false;
+    double position_m_ = 0, force_N_ = 0;
+    std::uint64_t writer_ = 0;
+    SessionTime heard_{}, given_{};
+    std::string fault_;
+    std::uint64_t positions_ = 0, not_numbers_ = 0, jumps_ = 0, other_writers_ = 0, stales_ = 0;
+};
+
+}  // namespace thimble

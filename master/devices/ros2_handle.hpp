@@ -1,0 +1,35 @@
+// A handle whose driver is a ROS 2 program: it publishes positions (PoseStamped, z in m) and obeys forces (WrenchStamped, z in N).
+#pragma once
+
+#include <dds/dds.h>
+#include <string>
+
+#include "common/ros2/ros2_bus.hpp"
+#include "master/devices/remote_handle.hpp"
+
+namespace thimble {
+
+class Ros2Handle final : public RemoteHandle {
+  public:
+    static constexpr const char* kPositions = "/thimble/handle/measured_cp";
+    static constexpr const char* kForces = "/thimble/handle/servo_cf";
+
+    // Throws Error as Ros2Bus does.
+    Ros2Handle(const Ros2HandleSettings& settings, double force_limit_N);
+    ~Ros2Handle() override;
+
+    std::string name() const override;
+    std::string awaits() override;
+
+  private:
+    void listen(SessionTime now) override;
+    void tell_force(double force_hand_N) override;
+    std::string driver() const override { return std::string("the ROS 2 driver at ") + kPositions; }
+
+    unsigned domain_ = ros2_domain();
+    std::string interface_;
+    Ros2Bus bus_;
+    dds_entity_t positions_, forces_;
+};
+
+}  // namespace thimble

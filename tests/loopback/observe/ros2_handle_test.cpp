@@ -1,0 +1,125 @@
+// [handle] device = "ros2": a session whose handle is a ROS 2 device, which is played by another DDS.
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <limits>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/runtime/wall_clock.hpp"
+#include "tests/loopback/observe/fast_dds_peer.hpp"
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+// A thousand positions a second from a thread of its own, and the newest force.
+class PlayedDevice {
+  public:
+    PlayedDevice() {
+        setenv("ROS_DOMAIN_ID", std::to_string(own_domain()).c_str(), 1);
+        thread_ = std::thread([this] { play(); });
+    }
+    ~PlayedDevice() {
+        ended = true;
+        thread_.join();
+        unsetenv("ROS_DOMAIN_ID");
+    }
+    PlayedDevice(const PlayedDevice&) = delete;
+    PlayedDevice& operator=(const PlayedDevice&) = delete;
+
+    std::atomic<bool> inserts = false, talks_nonsense = false, silent = false, ended = false;
+    std::atomic<double> force_N = 0;   // newest
+    std::atomic<unsigned> forces = 0;  // that came
+
+  private:
+    void play() {
+        auto* const positions = peer_.writer<HeardPose>("/thimble/handle/measured_cp");
+        auto* const requests = peer_.reader<HeardWrench>("/thimble/handle/servo_cf");
+        HeardPose::type pose;
+        for (double z_m = 0; !ended; wall_sleep(std::chrono::milliseconds{1})) {
+            if (inserts && z_m < kDeepest_m) z_m += kSpeed_m;
+            pose.pose().position().z(z_m);
+            if (!silent) positions->write(&pose);
+            if (talks_nonsense) {
+                for (const double nonsense : {std::numeric_limits<double>::quiet_NaN(), z_m + 0.5, 1e9}) {
+                    pose.pose().position().z(nonsense);
+                    positions->write(&pose);
+                }
+            }
+            while (const auto force = take<HeardWrench>(requests)) {
+                force_N = force->wrench().force().z();
+                ++forces;
+            }
+        }
+    }
+
+    // The needle then is 36 mm deep, 1 mm in the fixture.
+    static constexpr double kDeepest_m = 0.012, kSpeed_m = 2e-5;
+    FastDdsPeer peer_;
+    std::thread thread_;
+};
+
+SessionFile on_ros2() {
+    SessionFile session = SessionFile::endless();
+    session.more = "[handle]\ndevice = \"ros2\"\n";
+    return session;
+}
+
+// Until the needle is felt.
+void insert(PlayedDevice& device, RealRun& run) {
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    device.inserts = true;
+    ASSERT_TRUE(wait_until([&] { return device.force_N < -0.3 || run.launcher().poll(); }));
+    ASSERT_LT(device.force_N, -0.3) << run.words();
+}
+
+TEST(Ros2Handle, FeelsTheNeedleAndItsSilenceEndsTheTrialWithoutForce) {
+    PlayedDevice device;
+    RealRun run(on_ros2());
+    insert(device, run);
+    device.talks_nonsense = true;
+    const unsigned before = device.forces;
+    EXPECT_TRUE(wait_until([&] { return device.forces > before + 200 || run.launcher().poll(); }));
+    EXPECT_LT(device.force_N, -0.3) << "nonsense beside good positions changes nothing";
+    device.talks_nonsense = false;
+    device.silent = true;
+    EXPECT_TRUE(wait_until([&] { return device.force_N == 0; }));
+    expect_end(run, 1, EndReason::kDeviceFault,
+               "the ROS 2 driver at /thimble/handle/measured_cp has sent no position");
+    const auto counted = run.report("thimble-master").at("remote");
+    EXPECT_GT(counted.at("positions"), 100);
+    EXPECT_GT(counted.at("not_numbers"), 10);
+    EXPECT_GT(counted.at("jumps"), 10);
+}
+
+TEST(Ros2Handle, AnEmergencyStopTakesItsForce) {
+    PlayedDevice device;
+    RealRun run(on_ros2());
+    insert(device, run);
+    run.launcher().signal(SIGQUIT);
+    EXPECT_TRUE(wait_until([&] { return device.force_N == 0; })) << "while it goes on to push";
+    expect_end(run, 1, EndReason::kEmergencyStop, "SIGQUIT");
+}
+
+TEST(Ros2Handle, SaysWhichProgramAndWhichInterface) {
+    const Folder folder;
+    const auto session = folder.write("session.toml", on_ros2().text()).string();
+    const auto program = built_programs();
+    const auto without = run_to_end(program / "thimble-master", {session});
+    EXPECT_EQ(without.code, 2);
+    EXPECT_THAT(without.words, HasSubstr("thimble-ros2-master"));
+    const auto other = folder.write("other.toml", SessionFile{}.text()).string();
+    EXPECT_EQ(run_to_end(program / "thimble-ros2-master", {other}).code, 2);
+    const auto far = folder.write("far.toml", on_ros2().text() + "[handle.ros2]\ninterface = '192.0.2.1'\n");
+    const auto refused = run_to_end(program / "thimble-ros2-master", {far.string()});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_THAT(refused.words, HasSubstr("'192.0.2.1' is not this machine alone"));
+}
+
+}  // namespace
+}  // namespace thimble
