@@ -123,6 +123,7 @@ TEST_F(ShellProgram, ReportsAndLogs) {
     EXPECT_EQ(report.at("down").at("asked").at("delay_s"), 0.02);
     EXPECT_GE(report.at("up").at("delay").at("achieved_mean_s").get<double>(), 0.01);
     EXPECT_TRUE(report.at("shell").contains("no_ip_packets"));
+    EXPECT_GT(report.at("shell").at("sending").at("writing").at("count"), 0);
     EXPECT_THAT(read_text(folder_ / "log.csv"), HasSubstr("received"));
 }
 
