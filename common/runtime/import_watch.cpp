@@ -1,6 +1,7 @@
 #include "common/runtime/import_watch.hpp"
 
 #include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
