@@ -91,13 +91,6 @@ std::vector<Cell> run_row(const SystemSettings& settings, const CodecStudy& opti
     return cells;
 }
 
-SystemSettings with_codec(SystemSettings settings, const CodecSettings& codec) {
-    settings.master.codec = settings.slave.codec = codec;
-    if (codec.command != HapticCodec::kNone)
-        settings.slave.stale_after = std::max(settings.slave.stale_after, codec.slave_patience());
-    return settings;
-}
-
 CodecSettings both(CodecSettings codec, HapticCodec which) {
     codec.command = codec.force = which;
     return codec;

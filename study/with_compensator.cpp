@@ -24,6 +24,8 @@ SystemSettings with_control(SystemSettings settings, const ControlSettings& cont
     settings.master.control = control;
     settings.cutaneous.hand_share = control.hand_share();
     settings.slave.control.control = control;
+    // Each packet carries the waves of its own sample.
+    if (control.compensator == Compensator::kWave) settings.master.codec = settings.slave.codec = {};
     return settings;
 }
 

@@ -1,5 +1,7 @@
 #include "session/virtual/wire_use.hpp"
 
+#include <algorithm>
+
 #include "common/codec.hpp"
 #include "common/security/sealing.hpp"
 #include "session/virtual/virtual_session.hpp"
@@ -40,6 +42,13 @@ WireUse wire_use(const NetemProcess& netem, const TrialRecord& record) {
             packets * static_cast<double>(haptic_packet_bytes(flow, with_energies)) / duration_s;
     }
     return use;
+}
+
+SystemSettings with_codec(SystemSettings settings, const CodecSettings& codec) {
+    settings.master.codec = settings.slave.codec = codec;
+    if (codec.command != HapticCodec::kNone)
+        settings.slave.stale_after = std::max(settings.slave.stale_after, codec.slave_patience());
+    return settings;
 }
 
 CountedTrial run_counted_trial(const SystemSettings& settings, const TrialConditions& conditions) {

@@ -30,6 +30,9 @@ std::size_t haptic_packet_bytes(std::size_t flow, bool with_energies);
 // Of the trial that has just ended, over its recorded samples.
 WireUse wire_use(const NetemProcess& netem, const TrialRecord& record);
 
+// The same session with this codec at both ends, and the slave's patience for it. Not with the compensator "wave".
+SystemSettings with_codec(SystemSettings settings, const CodecSettings& codec);
+
 struct CountedTrial {
     TrialRecord record;
     WireUse wire;

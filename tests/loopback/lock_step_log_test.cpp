@@ -67,6 +67,19 @@ TEST_F(LockStepLog, IsTheSameEachTimeAndChangesNoByteOfTheResults) {
     EXPECT_EQ(read_text(folder_ / "one/trials.csv"), read_text(folder_ / "virtual/trials.csv"));
 }
 
+// Five programs with haptic codecs: the bytes of virtual time, and no message that was not sent counts as lost.
+TEST_F(LockStepLog, OfCodecsLacksNothingAndHasTheResultsOfVirtualTime) {
+    session_ += "[codec]\ncommand = 'deadband-linear'\nforce = 'deadband'\n";
+    ASSERT_EQ(run("one", "lock-step").code, 0);
+    std::vector<std::string> check{"log", "check"};
+    for (const std::string& program : programs()) check.push_back(log("one", program, 1).string());
+    const Outcome outcome = run_thimble(check);
+    EXPECT_EQ(outcome.code, 0) << outcome.words;
+    session_.replace(session_.find("'all'"), 5, "'none'");
+    ASSERT_EQ(run("virtual", "virtual").code, 0);
+    EXPECT_EQ(read_text(folder_ / "one/trials.csv"), read_text(folder_ / "virtual/trials.csv"));
+}
+
 TEST_F(LockStepLog, PassesItsCheckAndIsReplacedOnRequest) {
     for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--overwrite"}}) {
         const Outcome outcome = run("one", "lock-step", more);

@@ -10,13 +10,10 @@
 namespace thimble::test {
 namespace {
 
-SystemSettings with_codec(HapticCodec codec) {
-    SystemSettings settings = paper();
+SystemSettings coded_by(HapticCodec codec) {
     CodecSettings keys;
     keys.command = keys.force = codec;
-    settings.master.codec = settings.slave.codec = keys;
-    settings.slave.stale_after = keys.slave_patience();
-    return settings;
+    return with_codec(paper(), keys);
 }
 
 double packets(const CountedTrial& trial) {
@@ -48,7 +45,7 @@ Sums four_subjects(const SystemSettings& settings, double delay_s) {
 TEST(Codec, SavesNineOfTenPacketsAndTheNeedleGoesAsDeep) {
     for (const double delay_s : {0.0, 0.2}) {
         const Sums plain = four_subjects(paper(), delay_s);
-        const Sums coded = four_subjects(with_codec(HapticCodec::kDeadbandLinear), delay_s);
+        const Sums coded = four_subjects(coded_by(HapticCodec::kDeadbandLinear), delay_s);
         EXPECT_NEAR(plain.packets, 4 * 4000, 40);
         EXPECT_LT(coded.packets, 0.1 * plain.packets) << delay_s;
         EXPECT_NEAR(coded.max_m / plain.max_m, 1, 0.05) << delay_s;
@@ -66,8 +63,8 @@ TEST(Codec, CountsHeadersAndSeals) {
 TEST(Codec, EveryCodecHasTheSameBitsAgain) {
     for (const HapticCodec codec : {HapticCodec::kDeadband, HapticCodec::kEveryNth}) {
         const TrialConditions conditions = trial_of(Modality::kHF, std::chrono::milliseconds(10));
-        const CountedTrial one = run_counted_trial(with_codec(codec), conditions);
-        const CountedTrial other = run_counted_trial(with_codec(codec), conditions);
+        const CountedTrial one = run_counted_trial(coded_by(codec), conditions);
+        const CountedTrial other = run_counted_trial(coded_by(codec), conditions);
         EXPECT_EQ(TrajectoryHash(one.record).value(), TrajectoryHash(other.record).value());
         EXPECT_EQ(packets(one), packets(other));
         EXPECT_EQ(one.record.reason, EndReason::kCompleted);
@@ -76,7 +73,7 @@ TEST(Codec, EveryCodecHasTheSameBitsAgain) {
 
 // Of ten packets one is lost, and some overtake others: nothing falls silent, and only netem counts losses.
 TEST(Codec, ALostPacketIsFollowedByAnotherBeforeAnyOutputIsStale) {
-    SystemSettings settings = with_codec(HapticCodec::kDeadbandLinear);
+    SystemSettings settings = coded_by(HapticCodec::kDeadbandLinear);
     for (LinkSettings* link : {&settings.netem.needle, &settings.netem.force}) {
         link->loss = LossSettings::independent(0.1);
         link->in_order = false;
