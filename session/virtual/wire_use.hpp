@@ -22,7 +22,7 @@ struct FlowUse {
 };
 using WireUse = std::array<FlowUse, kHapticFlows.size()>;
 
-// What is between the bytes of a message and those of its IPv4 packet.
+// The headers of UDP and IPv4.
 inline constexpr std::size_t kHeaderBytes_IPv4_UDP = 28;
 // Of a packet with a NeedleCommand or ForceFeedback, or with energies (two-port passivity), sealed.
 std::size_t haptic_packet_bytes(std::size_t flow, bool with_energies);

@@ -71,7 +71,7 @@ TEST(NeedleGate, SendsAtOnceWhenTheVelocityLeavesItsDeadband) {
     EXPECT_TRUE(gate.due(time_of(3), command)) << "is refused where it arrives, not here";
 }
 
-// Whatever is lost, the next packet comes within the refresh bound.
+// After a loss the next packet comes within the refresh bound.
 RC_GTEST_PROP(NeedleGate, IsNeverSilentForLongerThanTheRefreshBound, ()) {
     const CodecSettings settings = with(any_codec());
     NeedleGate gate(settings);
