@@ -100,6 +100,7 @@ def written_tables(programs, scratch):
     said_by([thimble, 'sweep', '--mass-kg', '1', '--damping-Ns-per-m', '20', '--stiffness-N-per-m', '500', '--delay-s',
              '0:0.1:2', '--contact-stiffness-N-per-m', '1000:2000:2', '--out', 'map'], scratch)
     said_by([thimble, 'compensators', '--only', 'CF', '--subjects', '1', '--delays-s', '0', '--out', 'compensators'], scratch)
+    said_by([thimble, 'board', '--quick', '--only', 'CF,every-sample,0ms', '--out', 'board'], scratch)
     trajectory = next((scratch / 's/trajectories').iterdir())
     return [('trials.csv', 'run, study, participant sessions: a line per trial; also control.csv, no_lag.csv, virtual.csv', 's/trials.csv'),
             ('*_curves.csv', 'study: a line per trial', 's/trials_curves.csv'),
@@ -110,11 +111,13 @@ def written_tables(programs, scratch):
             ('OUT.csv', 'replay: a line per sample', 'forces.csv'),
             ('OUT.events.csv', 'replay: a line per transition', 'forces.events.csv'),
             ('map.csv', 'sweep: a line per point', 'map/map.csv'),
-            ('compensators.csv', 'compensators: a line per condition and delay', 'compensators/compensators.csv')]
+            ('compensators.csv', 'compensators: a line per condition and delay', 'compensators/compensators.csv'),
+            ('board.csv', 'board: a line per controller, codec and condition; _low and _high: 90 % intervals', 'board/board.csv')]
 
 
 def short(column):
-    """The columns of curves are one per grid point of their axis."""
+    """The columns of curves are one per grid point of their axis, those of intervals are their measure's."""
+    column = re.sub(r'_(low|high)$', '', column)
     return re.sub(r'^(needle|surface)_-?[\d.]+(s|%)$', r'\1_N\2', column)
 
 

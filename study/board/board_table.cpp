@@ -11,9 +11,9 @@
 namespace thimble {
 namespace {
 
-constexpr std::array kBefore{"controller", "codec", "condition", "delay_s", "jitter_s", "loss",
+constexpr std::array kBefore{"controller", "codec", "condition", "delay_s", "jitter_spread_s", "loss",
                              "network",    "hands", "tissue",    "scene",   "trials"};
-constexpr std::array kBehind{"subject", "status"};
+constexpr std::array kBehind{"failing_subject", "status"};
 
 std::vector<std::string> columns() {
     std::vector<std::string> names(kBefore.begin(), kBefore.end());

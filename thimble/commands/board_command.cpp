@@ -6,13 +6,16 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
+#include "study/board/board_report.hpp"
 #include "study/board/board_run.hpp"
 #include "study/ranks/ranks.hpp"
 #include "thimble/commands/commands.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {
@@ -36,15 +39,29 @@ BoardPlan plan_of(const BoardArguments& a) {
     return plan;
 }
 
+// The command that gives the same results, without the output folder.
+std::string board_command(const BoardArguments& a) {
+    std::string command = "thimble board";
+    if (a.quick) command += " --quick";
+    for (const std::string& file : a.plugins) command += " --plugin " + file;
+    if (!a.only.empty()) command += fmt::format(" --only {}", fmt::join(a.only, ","));
+    return command + fmt::format(" --seed {}", a.seed);
+}
+
+void say_ranks(const std::vector<BoardRow>& rows) {
+    for (const Contestant& one : rank_contestants(rows))
+        fmt::print("{:<26} front {}  stable in {} of {}\n", one.name,
+                   one.front > 0 ? std::to_string(one.front) : "-", one.stable_rows, one.rows);
+}
+
 // 1 if a contestant did not come to its end in some row.
-int say_failures(const BoardPlan& plan, const BoardOptions& options) {
+int say_failures(const std::vector<BoardRow>& rows) {
     int code = static_cast<int>(ExitCode::kOk);
-    for (const BoardRow& row : read_board_rows(options.out / "board.csv")) {
+    for (const BoardRow& row : rows) {
         if (row.status == "ok") continue;
         spdlog::error("{}, {}, {}: {}", row.controller, row.codec, row.condition, row.status);
         code = static_cast<int>(ExitCode::kRunFailed);
     }
-    fmt::print("table: {} ({} rows)\n", (options.out / "board.csv").string(), plan.rows());
     return code;
 }
 
@@ -60,7 +77,11 @@ int board(const BoardArguments& a) {
         spdlog::error("interrupted; the rows that were done are kept: go on with --resume");
         return static_cast<int>(ExitCode::kRunFailed);
     }
-    return say_failures(plan, options);
+    const std::vector<BoardRow> rows = read_board_rows(options.out / "board.csv");
+    write_board_report(plan, rows, board_command(a), {{"commit", source_commit()}}, options.out);
+    say_ranks(rows);
+    fmt::print("report: {}\n", (options.out / "board.html").string());
+    return say_failures(rows);
 }
 
 void add_options(CLI::App& sub, BoardArguments& a) {

@@ -1,0 +1,221 @@
+#include "study/board/board_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "analysis/figures/heat_map.hpp"
+#include "common/json_text.hpp"
+#include "common/text_file.hpp"
+#include "common/version.hpp"
+
+namespace thimble {
+namespace {
+
+std::string shown(double value, int decimals) {
+    return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : std::string(kDash);
+}
+
+std::string with_interval(const BoardValue& value, double factor, int decimals) {
+    if (!std::isfinite(value.mean)) return std::string(kDash);
+    return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", factor * value.mean, decimals, factor * value.low,
+                       decimals, factor * value.high, decimals);
+}
+
+std::string row_file(const BoardRow& row) {
+    return fmt::format("{}_{}_{}.toml", row.controller, row.codec, row.condition);
+}
+
+ReportTable front_table(std::vector<Contestant> contestants) {
+    ReportTable table{"Fronts",
+                      "Front 1: nobody dominates it. A contestant dominates another if it is better in one "
+                      "objective and worse in none, beyond the 90 % intervals and by more than 2 %.",
+                      {"contestant", "front", "stable conditions", "unstable trials, %",
+                       "maximum penetration, mm", "stiffness felt", "packets/s", "dominated by"}};
+    std::stable_sort(contestants.begin(), contestants.end(), [](const Contestant& a, const Contestant& b) {
+        return a.front - 1 < b.front - 1;  // 0, not ranked, comes last
+    });
+    table.rows.reserve(contestants.size());
+    for (const Contestant& one : contestants)
+        table.rows.push_back(
+            {one.name, one.front > 0 ? std::to_string(one.front) : std::string(kDash),
+             fmt::format("{} of {}", one.stable_rows, one.rows), with_interval(one.values[kUnstable], 100, 1),
+             with_interval(one.values[kDepth], 1000, 2), with_interval(one.values[kFelt], 1, 3),
+             with_interval(one.values[kSent], 1, 0),
+             one.dominated_by.empty() ? std::string(kDash)
+                                      : fmt::format("{}", fmt::join(one.dominated_by, ", "))});
+    return table;
+}
+
+std::string reason(const BoardRow& row) {
+    if (row.status != "ok") return row.status;
+    const auto count = [&row](BoardMeasure measure) {
+        return std::lround(row.trials * row.values[measure].mean);
+    };
+    std::string text;
+    if (count(kOscillating) > 0) text = fmt::format("{} of {} oscillate", count(kOscillating), row.trials);
+    if (count(kNotCompleted) > 0)
+        text += fmt::format("{}{} of {} do not complete", text.empty() ? "" : ", ", count(kNotCompleted),
+                            row.trials);
+    return text;
+}
+
+ReportTable failing_table(const std::vector<BoardRow>& rows) {
+    ReportTable table{
+        "Rows that fail, and the trial to look at",
+        "The command runs the first such trial again, in this folder. thimble play --replay seen shows it.",
+        {"controller", "codec", "condition", "reason", "command"}};
+    for (const BoardRow& row : rows) {
+        if (row.stable()) continue;
+        const std::string command =
+            row.subject > 0 ? fmt::format("thimble run sessions/{} --clock virtual --out seen", row_file(row))
+                            : std::string(kDash);
+        table.rows.push_back({row.controller, row.codec, row.condition, reason(row), command});
+    }
+    return table;
+}
+
+ReportTable measure_table(const std::vector<BoardRow>& rows) {
+    ReportTable table{
+        "All rows",
+        "Means over trials. board.csv has the 90 % intervals: Wilson's for shares, else the "
+        "bootstrap's percentiles.",
+        {"controller", "codec", "condition", "oscillating, %", "not completed, %", "penetration, mm",
+         "maximum, mm", "time, s", "stiffness felt", "drift, mm", "energy out, mJ", "packets/s", "kB/s"}};
+    table.rows.reserve(rows.size());
+    for (const BoardRow& row : rows) {
+        const auto cell = [&row](BoardMeasure measure, double factor, int decimals) {
+            return shown(factor * row.values[measure].mean, decimals);
+        };
+        table.rows.push_back({row.controller, row.codec, row.condition, cell(kOscillating, 100, 0),
+                              cell(kNotCompleted, 100, 0), cell(kPenetrationMean, 1000, 2),
+                              cell(kPenetrationMax, 1000, 2), cell(kCompletionTime, 1, 1),
+                              cell(kStiffnessFelt, 1, 3), cell(kDrift, 1000, 2), cell(kEnergyOut, 1000, 1),
+                              cell(kPackets, 1, 0), cell(kBytes, 1e-3, 1)});
+    }
+    return table;
+}
+
+template <class Names>
+std::size_t place_in(Names& names, const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+    names.push_back(name);
+    return names.size() - 1;
+}
+
+// One for the paper's task over each network, one for other hands, tissues and scenes.
+FigureSource stability_figure(const std::vector<BoardRow>& rows, const std::vector<Contestant>& contestants,
+                              bool papers_task) {
+    HeatMap map{
+        {},         {}, {}, "", "trials that oscillated or did not complete", "maximum penetration (mm)",
+        kVermillion};
+    const bool codecs = !contestants.empty() && contestants.front().name.find(" / ") != std::string::npos;
+    for (const BoardRow& row : rows) {
+        const bool papers = row.hands == "virtual" && row.tissue == "soft" && row.scene == "paper";
+        if (papers != papers_task) continue;
+        std::string column = row.condition;
+        std::replace(column.begin(), column.end(), '+', '\n');
+        const std::size_t x = place_in(map.columns, column);
+        const std::size_t y =
+            place_in(map.rows, codecs ? row.controller + " / " + row.codec : row.controller);
+        const bool ok = row.status == "ok";
+        const double bad = std::max(row.values[kOscillating].mean, row.values[kNotCompleted].mean);
+        map.cells.push_back({x, y, ok ? 100 * bad : 100,
+                             ok ? shown(1000 * row.values[kPenetrationMax].mean, 1) : std::string("!")});
+    }
+    if (map.cells.empty()) return {};
+    FigureSource figure = heat_map_figure(map, papers_task ? "board_networks" : "board_tasks");
+    figure.title = papers_task ? "Who is stable over which network" : "Other hands, tissues and scenes";
+    figure.caption =
+        "Maximum penetration in mm; the darker, the more trials oscillated or did not complete. !: no "
+        "measures.";
+    return figure;
+}
+
+nlohmann::ordered_json number(double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json json_of(const BoardValue& value) {
+    return {{"mean", number(value.mean)}, {"interval", {number(value.low), number(value.high)}}};
+}
+
+nlohmann::ordered_json contestants_json(const std::vector<Contestant>& contestants) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const Contestant& one : contestants) {
+        nlohmann::ordered_json object{{"name", one.name},
+                                      {"front", one.front > 0 ? nlohmann::ordered_json(one.front) : nullptr},
+                                      {"dominated_by", one.dominated_by},
+                                      {"rows", one.rows},
+                                      {"stable_rows", one.stable_rows},
+                                      {"failed_rows", one.failed_rows}};
+        for (std::size_t i = 0; i < kObjectives; ++i) object[kObjectiveNames[i]] = json_of(one.values[i]);
+        list.push_back(object);
+    }
+    return list;
+}
+
+void write_sessions(const BoardPlan& plan, const std::vector<BoardRow>& rows,
+                    const std::filesystem::path& out) {
+    std::filesystem::remove_all(out / "sessions");
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows[i].subject == 0) continue;
+        make_folder(out / "sessions");
+        write_text_file(out / "sessions" / row_file(rows[i]),
+                        row_session(plan, place_of(plan, i), rows[i].subject));
+    }
+}
+
+std::string summary_of(const std::vector<Contestant>& contestants) {
+    std::vector<std::string> first, everywhere;
+    for (const Contestant& one : contestants) {
+        if (one.front == 1) first.push_back(one.name);
+        if (one.stable_rows == one.rows) everywhere.push_back(one.name);
+    }
+    return fmt::format("Nobody dominates {}. Stable in all conditions: {}.", fmt::join(first, ", "),
+                       everywhere.empty() ? "none" : fmt::format("{}", fmt::join(everywhere, ", ")));
+}
+
+}  // namespace
+
+void write_board_report(const BoardPlan& plan, const std::vector<BoardRow>& rows, const std::string& command,
+                        const Provenance& made_with, const std::filesystem::path& out) {
+    const std::vector<Contestant> contestants = rank_contestants(rows);
+    write_sessions(plan, rows, out);
+    ReportSection section;
+    section.title = "Controllers and codecs";
+    section.text = fmt::format(
+        "{} controllers, {} codecs and {} conditions, {} trials in each row, by virtual subjects. The "
+        "subjects and fixtures are the same in all rows.",
+        plan.controllers.size(), plan.codecs.size(), plan.conditions.size(), plan.trials);
+    section.findings = {summary_of(contestants)};
+    section.drawn = draw_figures({pareto_figure(contestants), stability_figure(rows, contestants, true),
+                                  stability_figure(rows, contestants, false)},
+                                 out);
+    section.tables = {front_table(contestants), failing_table(rows), measure_table(rows)};
+    ReportInput report;
+    report.title = "Thimble: the board";
+    report.sections.push_back(std::move(section));
+    report.provenance = {{"command", command},
+                         {"board", std::to_string(plan.version)},
+                         {"seed", std::to_string(plan.seed)},
+                         {"version", kVersion}};
+    report.provenance.insert(report.provenance.end(), made_with.begin(), made_with.end());
+    report.provenance.emplace_back("contestants and conditions", plan_text(plan));
+    say_virtual_subjects(report);
+    write_report(report, out / "board.html");
+    nlohmann::ordered_json json{{"command", command},
+                                {"version", kVersion},
+                                {"board", plan.version},
+                                {"seed", plan.seed},
+                                {"trials", plan.trials}};
+    json["contestants"] = contestants_json(contestants);
+    write_text_file(out / "board.json", json_text(json, 2) + '\n');
+}
+
+}  // namespace thimble
