@@ -43,7 +43,7 @@ void read_bytes(std::string_view bytes, std::vector<Element>& list) {
 }
 inline void read_bytes(std::string_view bytes, std::string& text) { text = bytes; }
 
-// All workers together. `jobs`: threads of each rank (0: one), without ranks of this program (0: one per core).
+// All workers together. `jobs` are threads of each rank, 0: one. Without ranks they are threads of this program, 0: one per core.
 inline std::size_t worker_count(unsigned jobs) {
     if (const Ranks* const ranks = joined_ranks()) return ranks->count() * std::max(1U, jobs);
     return thread_count(jobs);

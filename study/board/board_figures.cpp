@@ -36,8 +36,8 @@ FigureSource pareto_figure(const std::vector<Contestant>& contestants) {
         "set xrange [0:{0:.4g}]; set yrange [-0.06:1.12]\n"
         "set xlabel 'maximum penetration (mm), mean over conditions'\n"
         "set ylabel 'stiffness felt over the true one, mean over conditions'\n"
-        "set key outside center bottom horizontal\n"
-        "plot '{1}.tsv' index 0 using 1:2 with points pt 7 ps 1.1 lc rgb '{2}' title 'nobody dominates it', "
+        "set key top right\n"
+        "plot '{1}.tsv' index 0 using 1:2 with points pt 7 ps 1.1 lc rgb '{2}' title 'not dominated', "
         "\\\n"
         "     '' index 1 using 1:2 with points pt 6 ps 1.1 lc rgb '{3}' title 'dominated', \\\n"
         "     '' using 1:2:3 with labels left offset char 0.8,0.35 font ',11' noenhanced notitle\n",

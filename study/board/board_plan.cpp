@@ -18,7 +18,7 @@ SystemSettings settings_of(const std::string& session, const std::string& name) 
     return read_system_settings(ConfigFile::parse(session, name));
 }
 
-// What the methods are told about the network beforehand, as thimble compensators does. An entry that says it itself has the last word.
+// Two methods need numbers of the network, the same as in thimble compensators. A key of the entry itself wins.
 std::string adapted_keys(const SystemSettings& settings) {
     const ControlSettings& control = settings.master.control;
     if (control.compensator == Compensator::kScaled) {

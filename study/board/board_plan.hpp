@@ -1,4 +1,4 @@
-// What the board compares: controllers by codecs by conditions, from the files in deploy/board. Each is a fragment of a session file.
+// The board compares controllers by codecs by conditions, from the files in deploy/board. Each is a fragment of a session file.
 // The session of a row is its three fragments together, read by the reader of every session.
 #pragma once
 
@@ -53,7 +53,7 @@ std::filesystem::path board_folder();
 BoardPlan read_board(const std::filesystem::path& folder);
 // A plug-in as a controller in HF, named as its file.
 BoardEntry plugin_entry(const std::filesystem::path& file);
-// Leaves the controllers, codecs and conditions that are named; a kind of which none is named stays whole. Throws Error (usage).
+// Removes entries that are not named. A kind stays whole if none of its entries is named. Throws Error (usage).
 void keep_only(BoardPlan& plan, const std::vector<std::string>& names);
 // The text that decides the table's bytes.
 std::string plan_text(const BoardPlan& plan);

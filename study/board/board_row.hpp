@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -60,8 +61,9 @@ struct BoardRow {
     }
 };
 
-// One trial over the network of the settings. `subject` is one of the study of this seed.
-BoardTrial run_board_trial(const SystemSettings& settings, std::uint64_t seed, std::uint32_t subject);
+// One trial over the network of the settings. `subject` is one of the study of this seed. Once a sample is in, `each_sample` is called.
+BoardTrial run_board_trial(const SystemSettings& settings, std::uint64_t seed, std::uint32_t subject,
+                           const std::function<void()>& each_sample = {});
 // Means with intervals: Wilson's for shares, else the bootstrap's percentiles, drawn from the seed.
 void condense(const std::vector<BoardTrial>& trials, std::uint64_t seed, BoardRow& row);
 

@@ -76,7 +76,8 @@ void measure_hand(const std::vector<HandSample>& samples, const TrialRecord& rec
 
 }  // namespace
 
-BoardTrial run_board_trial(const SystemSettings& settings, std::uint64_t seed, std::uint32_t subject) {
+BoardTrial run_board_trial(const SystemSettings& settings, std::uint64_t seed, std::uint32_t subject,
+                           const std::function<void()>& each_sample) {
     const TrialConditions conditions = conditions_of(settings, seed, subject);
     Traffic traffic;
     VirtualSession session(with_force_delay(settings, from_seconds(conditions.delay_s)), nullptr, {},
@@ -87,6 +88,7 @@ BoardTrial run_board_trial(const SystemSettings& settings, std::uint64_t seed, s
         samples.push_back({sample.time_s, session.handle().position_hand_m(), session.handle().force_hand_N(),
                            sample.position_needle_m});
         energy_out_J = std::max(energy_out_J, -session.master().energy().energy_in_J());
+        if (each_sample) each_sample();
     });
     const TrialRecord& record = session.run(conditions);
     const TrialMetrics metrics = measure(record);

@@ -12,8 +12,6 @@
 namespace thimble {
 namespace {
 
-constexpr double kRelevant = 0.02;
-
 // Trials that oscillated or did not complete; one that did both counts once.
 BoardValue unstable_share(const std::vector<const BoardRow*>& rows) {
     double bad = 0;
@@ -55,7 +53,7 @@ Contestant contestant_of(const std::string& name, const std::vector<const BoardR
     }
     contestant.failed_rows = all.size() - rows.size();
     contestant.values = {unstable_share(rows), mean_over(rows, kPenetrationMax),
-                         mean_over(rows, kStiffnessFelt), mean_over(rows, kPackets)};
+                         mean_over(rows, kStiffnessFelt), mean_over(rows, kDrift), mean_over(rows, kPackets)};
     return contestant;
 }
 
@@ -80,10 +78,9 @@ void number_fronts(std::vector<Contestant>& contestants) {
 }  // namespace
 
 bool is_better(const BoardValue& a, const BoardValue& b, Objective objective) {
-    const bool more = objective == kFelt;
-    const double by = more ? a.mean - b.mean : b.mean - a.mean;
-    if (!(by > kRelevant * std::max(std::fabs(a.mean), std::fabs(b.mean)))) return false;
-    return more ? a.low > b.high : a.high < b.low;
+    const ObjectiveRule& rule = kObjectiveRules[objective];
+    const double by = rule.more ? a.mean - b.mean : b.mean - a.mean;
+    return by > rule.least && (rule.more ? a.low > b.high : a.high < b.low);
 }
 
 bool dominates(const Contestant& a, const Contestant& b) {

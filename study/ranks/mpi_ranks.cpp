@@ -28,7 +28,7 @@ enum class Ended : std::uint64_t { kComplete, kStopped, kFailed };
 
 struct Message {
     int from = 0, tag = 0;
-    std::uint64_t number = 0;  // of an item; an exit code; how it ended
+    std::uint64_t number = 0;  // of an item, an exit code, or an Ended
     std::string bytes;
 };
 
@@ -55,7 +55,7 @@ void send(int to, Tag tag, std::uint64_t number, const std::string& bytes = {}) 
     MPI_Send(wire.data(), static_cast<int>(wire.size()), MPI_BYTE, to, tag, MPI_COMM_WORLD);
 }
 
-// What rank 0 knows while it leads.
+// Rank 0 while it leads.
 class Lead {
   public:
     Lead(const RankWork& work, int ranks)
@@ -128,7 +128,7 @@ class Lead {
         }
     }
 
-    // The first failure counts. What is under way comes to its end.
+    // The first failure counts. Items under way come to their end.
     template <class Step>
     void guarded(const Step& step) {
         try {

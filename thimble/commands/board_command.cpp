@@ -1,4 +1,4 @@
-// thimble board: controllers and codecs of anybody, in one table.
+// thimble board: controllers and codecs, built in or plugged in, in one table.
 #include <cstdint>
 #include <memory>
 #include <string>

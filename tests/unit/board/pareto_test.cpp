@@ -1,4 +1,4 @@
-// Who dominates whom, and the fronts.
+// Contestants that dominate others, and the fronts.
 #include "study/board/pareto.hpp"
 
 #include <gmock/gmock.h>
@@ -26,12 +26,13 @@ BoardRow row_of(const std::string& controller, double depth_m, double felt, std:
     return row;
 }
 
-TEST(Pareto, BetterIsBeyondTheIntervalsAndByMoreThanTwoPercent) {
+TEST(Pareto, BetterIsBeyondTheIntervalsAndByMoreThanALeastDifference) {
     EXPECT_TRUE(is_better({1, 0.9, 1.1}, {2, 1.9, 2.1}, kDepth));
     EXPECT_FALSE(is_better({2, 1.9, 2.1}, {1, 0.9, 1.1}, kDepth));
     EXPECT_TRUE(is_better({2, 1.9, 2.1}, {1, 0.9, 1.1}, kFelt));
     EXPECT_FALSE(is_better({1, 0.9, 1.95}, {2, 1.9, 2.1}, kDepth));
-    EXPECT_FALSE(is_better({1.99, 1.99, 1.99}, {2, 2, 2}, kDepth));
+    EXPECT_FALSE(is_better({1e-3, 1e-3, 1e-3}, {1.05e-3, 1.05e-3, 1.05e-3}, kDepth));
+    EXPECT_TRUE(is_better({1000, 999, 1001}, {2000, 1999, 2001}, kSent));
     EXPECT_FALSE(is_better({}, {2, 2, 2}, kDepth));
 }
 
