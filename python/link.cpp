@@ -56,12 +56,16 @@ class PythonLink {
     }
 
     py::array_t<double> fates(const Numbers& times_s, std::size_t size_bytes) {
+        if (size_bytes == 0 || size_bytes > kLargestDatagramBytes)
+            throw Error(ExitCode::kUsage, "size_bytes is {}, and must be in [1, {}]", size_bytes,
+                        kLargestDatagramBytes);
         const std::uint64_t first = model_->counters().pushed;
         const std::vector<std::uint8_t> datagram(size_bytes);
         std::vector<double> arrivals(static_cast<std::size_t>(times_s.size()), std::nan(""));
         const auto take_until = [&](SessionTime end) {
             while (model_->next_due() <= end && model_->next_due() != kNever) {
-                const Departure departure = model_->pop_departure(std::max(now_, model_->next_due()));
+                now_ = std::max(now_, model_->next_due());
+                const Departure departure = model_->pop_departure(now_);
                 if (departure.bytes.empty() || departure.packet < first) continue;
                 double& arrival = arrivals[departure.packet - first];
                 if (std::isnan(arrival)) arrival = to_seconds(departure.due.time_since_epoch());

@@ -40,6 +40,14 @@ def test_a_profile_has_two_ways_and_a_table_may_be_a_dictionary():
     assert numpy.isnan(bursts.fates(TIMES)).any()
 
 
+@pytest.mark.parametrize("profile", ["lan", "leo", "lte", "wifi", "delay 5ms rate 1mbit limit 20 slot 2ms 8ms"])
+def test_every_kind_of_link_comes_to_an_end(profile):
+    link = thimble.LinkModel(profile=profile)
+    arrivals = link.fates(TIMES, 1000)
+    assert link.in_flight == 0 and numpy.isfinite(arrivals).any() and (numpy.nan_to_num(arrivals, nan=9) >= TIMES).all()
+    assert numpy.isfinite(arrivals).sum() == link.counters["delivered"] - link.counters["duplicated"]
+
+
 @pytest.mark.parametrize("keys, words", [({"delay": 1}, "did you mean 'delay_s'"), ({"loss": 2}, "loss"), ({"loss": None}, "is no number"),
                                          ({"way": "left"}, "must be"), ({"profile": 'no "such'}, "no")])
 def test_wrong_settings_are_refused_by_name(keys, words):

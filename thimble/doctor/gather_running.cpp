@@ -170,7 +170,7 @@ ProgramFacts gather_programs(const fs::path& folder) {
     for (const NodeKind& node : kNodes)
         facts.nodes.push_back({node.program, version_line((folder / node.program).string(), {"--version"})});
     facts.gnuplot = version_line("gnuplot", {"--version"});
-    facts.python = version_line("python3", {"-c", "import thimble; print(thimble.__version__)"});
+    facts.python = version_line("python3", {"-P", "-c", "import thimble; print(thimble.__version__)"});
     facts.system = system_name();
     return facts;
 }
