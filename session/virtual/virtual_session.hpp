@@ -1,5 +1,5 @@
 // All six processes of a session in one program, joined by queues, driven in virtual time. Messages go through the LinkModels exactly
-// as they do between real processes. They go as structs, and as bytes where somebody needs bytes (common/shared_message.hpp).
+// as they do between real processes. They go as structs, and as bytes to a tap or with a lab key (common/shared_message.hpp).
 #pragma once
 
 #include <memory>
