@@ -34,7 +34,7 @@ class Cutaneous final : public NodeInstance {
 
 CutaneousSettings read_settings(const ConfigFile& file) {
     CutaneousSettings settings = read_cutaneous_settings(file.table("cutaneous"));
-    settings.hand_share = read_control_settings(file.table("control")).hand_share();
+    settings.hand_share = read_control_settings(file).hand_share();
     return settings;
 }
 
