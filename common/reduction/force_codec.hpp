@@ -1,11 +1,16 @@
 // Forces that are not sent, and what stands for them at the handle. F of the last packet, t since, F' the slope between the last two:
 //
-//     hold      F^(t) = F                      deadband, every-nth, send-on-delta; finger and bar always
-//     linear    F^(t) = F + F' t               deadband-linear; never with the other sign
+//     F^(t) = F            hold: deadband, every-nth, send-on-delta; finger and bar always
 //
-// sent if    |F(t) - F^(t)| > k max(|F|, F_floor)     deadbands: Hinterseer and Steinbach 2006, Hinterseer et al. 2008
-//     or     |F(t) - F| > delta                       send-on-delta
-//     or     t >= refresh, or phase, fixture or hold have changed
+//     F^(t) = F + F' t     deadband-linear; never with the other sign
+//
+// An answer is sent after `refresh` at the latest, and if phase, fixture or hold have changed. A deadband sends it if
+//
+//     |F(t) - F^(t)| > k max(|F|, F_floor)      Hinterseer and Steinbach 2006, Hinterseer et al. 2008
+//
+// and send-on-delta if
+//
+//     |F(t) - F| > delta
 //
 // After a lost packet the two ends have different slopes until two more have come.
 #pragma once

@@ -1,12 +1,17 @@
 // Needle commands that are not sent, and what stands for them at the slave. Both ends compute the same place from the last packet
 // alone, so that a lost packet is forgotten with the next one. t since that packet, x and v of it:
 //
-//     hold      x^(t) = x                      deadband, every-nth, send-on-delta
-//     linear    x^(t) = x + v t                deadband-linear
+//     x^(t) = x            hold: deadband, every-nth, send-on-delta
 //
-// sent if    |v(t) - v| > k max(|v|, v_floor)  deadbands: Hinterseer and Steinbach 2006, Hinterseer et al. 2008
-//     or     |x(t) - x^(t)| > delta            deadbands and send-on-delta: a velocity within its deadband still drifts away
-//     or     t >= refresh
+//     x^(t) = x + v t      deadband-linear
+//
+// A sample is sent after `refresh` at the latest. A deadband sends it if
+//
+//     |v(t) - v| > k max(|v|, v_floor)      Hinterseer and Steinbach 2006, Hinterseer et al. 2008
+//
+// and, as send-on-delta, if the place is wrong, because a velocity within its deadband still drifts away:
+//
+//     |x(t) - x^(t)| > delta
 //
 // Hold policy: a needle that a force pushes out is not moved inwards without a command. So between two packets the slave's end does
 // no work against the force that the hand feels (the aim of Hirche et al. 2007, by other means).
