@@ -60,7 +60,7 @@ class RemoteHandle : public Handle {
         enabled_ = enabled;
         if (!enabled) give(now, 0);
     }
-    // Between trials nobody reads, but the driver on the other side waits for forces.
+    // Between trials the master reads no sample, but the driver on the other side still needs forces.
     bool take_stop(SessionTime now) override {
         listen(now);
         if (now - given_ >= kSignOfLife) give(now, enabled_ ? force_N_ : 0);

@@ -103,7 +103,7 @@ TEST(Ros2Handle, AnEmergencyStopTakesItsForce) {
     insert(device, run);
     run.launcher().signal(SIGQUIT);
     EXPECT_TRUE(wait_until([&] { return device.force_N == 0; })) << "while it goes on to push";
-    expect_end(run, 1, EndReason::kEmergencyStop, "SIGQUIT");
+    expect_end(run, 1, EndReason::kEmergencyStop, "emergency_stop");
 }
 
 TEST(Ros2Handle, SaysWhichProgramAndWhichInterface) {
