@@ -1,7 +1,9 @@
-// Frames of the window, of the subject's screen and of the cut-away view: how long one takes, in this machine's OpenGL.
+// Frames of the window, of the subject's screen and of the cut-away view, in this machine's OpenGL: how long one takes, how much
+// processor time, and how old the hand's newest sample is on the screen. The processor time means something on a busy machine, too.
 //
 //   xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" build/release/bin/thimble-bench-window
 #include <cmath>
+#include <ctime>
 
 #include <fmt/format.h>
 
@@ -50,6 +52,7 @@ void measure(int width, int height, bool paced, bool cut_away) {
     WindowDisplay display(Duration::zero());
     WindowLoop loop({&window, &display}, Duration::zero(), true);
     const SessionTime start = wall_now();
+    const std::clock_t used = std::clock();  // of all threads
     const auto stop = [&] {
         const SessionTime now = wall_now();
         display.draw(now, scene_at(now, start, cut_away));
@@ -64,6 +67,10 @@ void measure(int width, int height, bool paced, bool cut_away) {
                                          paced ? "paced" : "unpaced");
     print((name + ": frame begun to swap returned").c_str(), loop.times().draw);
     print((name + ": swap to swap").c_str(), loop.times().interval);
+    print((name + ": sample handed over to swap returned").c_str(), loop.times().hand_to_swap);
+    const double used_s = static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
+    fmt::print("| {}: processor time of a frame, mean of {} | {:.2f} | | | |\n", name, loop.frames(),
+               1e3 * used_s / static_cast<double>(loop.frames()));
 }
 
 }  // namespace

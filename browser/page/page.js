@@ -55,6 +55,7 @@ class Page {
     $('compensator').addEventListener('change', () => this.choose({ compensator: +$('compensator').value }));
     $('again').addEventListener('click', () => this.restart());
     $('beside').addEventListener('click', () => { this.beside = !this.beside; $('beside').setAttribute('aria-pressed', this.beside); this.restart(); });
+    addEventListener('resize', () => { this.rested = false; });
     $('study').addEventListener('click', () => this.runStudy());
     $('digest').addEventListener('click', () => this.showDigest());
     this.holdBy($('scene-0').querySelector('.grip'));
@@ -122,10 +123,11 @@ class Page {
   sides() { return this.beside ? [SIDE.main, SIDE.hand, SIDE.finger] : [SIDE.main]; }
   restart() {
     this.engine.begin(SIDE.main, this.choice);
-    if (this.beside) {
-      this.engine.begin(SIDE.hand, { ...this.choice, modality: 0 });
-      this.engine.begin(SIDE.finger, { ...this.choice, modality: 1 });
+    for (const [side, modality] of [[SIDE.hand, 0], [SIDE.finger, 1]]) {
+      this.engine.begin(side, { ...this.choice, modality });
+      this.engine.advance(side, 0.001, 0, false);
     }
+    this.rested = false;  // the two needles are drawn once, also while nobody pushes them
     this.hand.position = 0;
     this.beeps = 0;
     this.state = this.engine.advance(SIDE.main, 0.001, 0, false);
@@ -152,6 +154,8 @@ class Page {
       if (side === SIDE.main) this.state = state;
       this.views[side].draw($('wall').checked, share);
     }
+    if (!this.rested && !this.beside) for (const side of [SIDE.hand, SIDE.finger]) this.views[side].draw($('wall').checked);
+    this.rested = true;
     this.replay.frame(seconds);
     this.strip.add(this.state.time_s, this.state.needle_m, this.state.fixture_m);
     if (!this.calm.matches || now - (this.plotted ?? 0) >= CALM_PLOT_ms) {

@@ -63,8 +63,14 @@ class SceneView {
     context.clearRect(0, 0, this.texts.width, this.texts.height);
     context.font = `${Math.round(Math.max(12 * this.scale, this.texts.height / 38))}px system-ui, sans-serif`;
     context.textBaseline = 'middle';
-    for (const { x, y, colour, endsThere, text: words } of labels) {
-      const text = translate(words);
+    const line = 1.2 * Math.max(12 * this.scale, this.texts.height / 38), placed = [];
+    for (const { x, y: wanted, colour, endsThere, text: words } of labels) {
+      const text = translate(words), width = context.measureText(text).width, left = endsThere ? x - width : x;
+      // On a narrow screen two labels may meet: the later one goes below the earlier one.
+      let y = wanted;
+      const tick = /^\d+( mm)?$/.test(words);  // of the scale: it stays where it is
+      if (!tick) for (const other of placed) if (left < other.right && other.left < left + width && Math.abs(y - other.y) < line) y = other.y + line;
+      if (!tick) placed.push({ left, right: left + width, y });
       context.textAlign = endsThere ? 'right' : 'left';
       context.lineWidth = 3 * this.scale;
       context.strokeStyle = 'rgba(0,0,0,0.6)';

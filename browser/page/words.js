@@ -3,9 +3,9 @@ const WORDS = {
   en: {
     title: 'Thimble: see what a delay does to a force', language: 'Language',
     try_title: 'Push a needle into tissue, over a network',
-    delay: 'Delay of the force, one way', felt: 'Where the force goes', wall: 'Show the virtual wall', sound: 'Sound',
+    delay: 'Force delay, one way', felt: 'Where the force goes', wall: 'Show the virtual wall', sound: 'Sound',
     virtual: 'Let a virtual subject do it', again: 'Start again',
-    onset: 'In theory, and without friction, the needle shakes from {0} ms on.',
+    onset: 'The mark: from {0} ms on it shakes in theory, without friction.',
     HF: 'force in the hand', CF: 'force on the fingertip', CCF: 'on the other hand', VF: 'as a bar',
     hint_start: 'Press and drag down: push the needle in.', hint_key: ' Or use the arrow keys.',
     hint_in: 'Push on, until you meet the virtual wall.', hint_hold: 'Hold still against the wall for 5 seconds.',
@@ -34,9 +34,9 @@ const WORDS = {
   it: {
     title: 'Thimble: guarda che cosa fa un ritardo a una forza', language: 'Lingua',
     try_title: 'Spingi un ago nel tessuto, attraverso una rete',
-    delay: 'Ritardo della forza, in un verso', felt: 'Dove va la forza', wall: 'Mostra il muro virtuale', sound: 'Suono',
+    delay: 'Ritardo in un verso', felt: 'Dove va la forza', wall: 'Mostra il muro virtuale', sound: 'Suono',
     virtual: 'Lascia fare a un soggetto virtuale', again: 'Ricomincia',
-    onset: "In teoria, e senza attrito, l'ago trema da {0} ms in su.",
+    onset: 'Il segno: da {0} ms in su trema in teoria, senza attrito.',
     HF: 'forza nella mano', CF: 'forza sul polpastrello', CCF: "sull'altra mano", VF: 'come una barra',
     hint_start: "Premi e trascina in giù: spingi dentro l'ago.", hint_key: ' Oppure usa i tasti freccia.',
     hint_in: 'Continua a spingere, fino al muro virtuale.', hint_hold: 'Tieni fermo contro il muro per 5 secondi.',

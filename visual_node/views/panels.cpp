@@ -9,8 +9,8 @@
 namespace thimble {
 namespace {
 
-constexpr double kNameShare = 0.32;   // of the panel's width
-constexpr double kLineHeight = 1.25;  // of the text's
+constexpr double kNameShare = 0.3;    // of the panel's width
+constexpr double kLineHeight = 1.15;  // of the text's
 
 void draw_reading(ImDrawList& list, const Rect& line, const char* name, const char* value, Colour colour) {
     draw_text_left_of(list, point(line.x + line.width * kNameShare, line.y), kSkyBlue, name);

@@ -38,7 +38,8 @@ constexpr std::array<PlotSpec, kPlotCount> kExperimenterPlots{{
 constexpr PlotSpec kPlayerPlot{"mm", 1e3, 20, kPlayerCurves, nullptr};
 
 // Lengths in pixels at scale 1; time lines every so many seconds.
-constexpr double kSample = 16;  // of a curve, beside its name
+constexpr double kSample = 16;         // of a curve, beside its name
+constexpr double kRoomForNames = 270;  // a narrower plot sets them closer together
 constexpr double kLineWidth = 2, kLinePitch = 24, kSteepPitch = 3;
 constexpr double kTimeLine_s = 1;
 
@@ -113,15 +114,17 @@ void PlotPanel::draw_axes(ImDrawList& list, const PlotSpec& spec, const Frame& f
         list.AddRectFilled(point(x, box.y), point(x + 1, box.bottom()), paint(kGrid, 0.6));
     }
     double x = box.x + draw_text(list, point(box.x, box.y - small_text_height() - 2), kWhite, spec.title);
+    const double closer = box.width < kRoomForNames * frame.pixels ? 0.5 : 1;
+    const double sample = closer * kSample * frame.pixels;
     for (const Curve& curve : spec.curves) {
-        x += 3 * margin;
+        x += 3 * closer * margin;
         const double middle = box.y - small_text_height() / 2 - 1, width = kLineWidth * frame.pixels;
-        for (std::int64_t i = 0; i < static_cast<std::int64_t>(kSample * frame.pixels); ++i) {
+        for (std::int64_t i = 0; i < static_cast<std::int64_t>(sample); ++i) {
             if (!covered(curve.dash, i, static_cast<std::int64_t>(frame.pixels))) continue;
             const double left = x + static_cast<double>(i);
             list.AddRectFilled(point(left, middle), point(left + 1, middle + width), paint(curve.colour));
         }
-        x += kSample * frame.pixels + margin;
+        x += sample + margin;
         x += draw_text(list, point(x, box.y - small_text_height() - 2), kWhite, curve.name);
     }
 }

@@ -13,8 +13,10 @@
 namespace thimble {
 
 // At content scale 1.
-inline constexpr double kBannerHeight = 26, kColumnWidth = 330, kReadingsHeight = 316;
-inline constexpr double kPlotsWidth = 330, kSceneWidth = 120;  // at least, as far as there is room
+inline constexpr double kBannerHeight = 26, kReadingsHeight = 280;
+// The column takes a share of the window between these. Plots and scene: at least, as far as there is room.
+inline constexpr double kColumnShare = 0.36, kColumnLeast = 300, kColumnMost = 330;
+inline constexpr double kPlotsWidth = 270, kSceneWidth = 120;
 
 inline constexpr double kStopHeight = 56;
 inline constexpr double kTitleHeight = 16, kNumberWidth = 44, kMargin = 6;
@@ -22,7 +24,7 @@ inline constexpr double kTitleHeight = 16, kNumberWidth = 44, kMargin = 6;
 // Positions span most: an oscillation of millimetres in a way of 12 cm.
 inline constexpr std::array kPlotShares{0.34, 0.24, 0.21, 0.21};
 
-inline constexpr double kRowHeight = 30, kRowGap = 4;
+inline constexpr double kRowHeight = 28, kRowGap = 4;
 
 inline constexpr std::size_t kPlotCount = 4;
 
@@ -35,10 +37,12 @@ struct ExperimenterLayout {
     Rect stop;  // beneath the controls
 };
 
-// `scale`: the monitor's content scale. A small window cuts the plots. Readings and controls scroll.
+// `scale`: the monitor's content scale. From 800x600 on the scene has 0.45 of what the column leaves. In a smaller window readings and
+// controls scroll.
 inline ExperimenterLayout experimenter_layout(double width, double height, double scale) {
     ExperimenterLayout layout;
-    const double column = std::min(kColumnWidth * scale, width / 2);
+    const double column =
+        std::min(std::clamp(kColumnShare * width, kColumnLeast * scale, kColumnMost * scale), width / 2);
     const double top = std::min(kBannerHeight * scale, height), left = width - column;
     const double scene =
         std::floor(std::min(std::max(left - kPlotsWidth * scale, kSceneWidth * scale), 0.45 * left));

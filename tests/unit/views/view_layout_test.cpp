@@ -33,13 +33,15 @@ TEST(ViewLayout, EverythingHasRoomAt800x600) {
     const ExperimenterLayout layout = experimenter_layout(800, 600, 1);
     for (const Rect& plot : layout.plots) {
         const Rect box = plot_box(plot, 1);
-        EXPECT_GT(box.width, 250);
+        EXPECT_GT(box.width, 220);
         EXPECT_GT(box.height, 60);
         EXPECT_GE(box.x, plot.x);
         EXPECT_LE(box.right(), plot.right());
         EXPECT_LE(box.bottom(), plot.bottom());
     }
-    EXPECT_GT(layout.controls.height, 200);
+    EXPECT_GT(layout.scene.width, 220);
+    constexpr int kNotice = 7;  // the last row, a line of text: no scroll bar
+    EXPECT_LE(control_cell(layout.controls, 1, kNotice, 0, 1).y + 25, layout.controls.bottom());
 }
 
 TEST(PlotScale, RoundNumbersAroundTheValues) {
