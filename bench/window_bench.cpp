@@ -1,5 +1,5 @@
-// Frames of the window, of the subject's screen and of the cut-away view, in this machine's OpenGL: how long one takes, how much
-// processor time, and how old the hand's newest sample is on the screen. The processor time means something on a busy machine, too.
+// Frames of the window, of the subject's screen and of the cut-away view, in this machine's OpenGL. It prints how long a frame takes, how
+// much processor time it uses, and how old the hand's newest sample is on the screen. A busy machine changes the processor time little.
 //
 //   xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" build/release/bin/thimble-bench-window
 #include <cmath>

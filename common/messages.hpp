@@ -247,7 +247,7 @@ struct Order {
 struct Page {
     double remaining_s = 0;    // of a break; 0: until a key is pressed
     std::uint32_t trial = 0;   // the coming one; of kQuestion: which question of the page set, from 1
-    std::uint32_t trials = 0;  // in all
+    std::uint32_t trials = 0;  // in all; for kQuestion the checksum of the page set
     PageKind kind = PageKind::kNone;
     bool operator==(const Page&) const = default;
 };

@@ -155,7 +155,7 @@ std::vector<ShownQuestion> PageSet::shown() const {
     return all;
 }
 
-// FNV-1a: it finds an editor's mistake, and nobody forges a page set.
+// FNV-1a: it finds two page sets that a person has edited apart. It is no protection.
 std::uint32_t PageSet::checksum() const {
     std::uint32_t sum = 2166136261U;
     const auto add = [&sum](std::string_view text) {

@@ -14,7 +14,7 @@ class WindowDisplay;
 
 class PageView {
   public:
-    // Both may be null, and outlive this: the program's own words and no questions; nobody hears an answer.
+    // Both may be null, and outlive this. Without pages the view has the program's words; without a display it gives no answer.
     PageView(const PageSet* pages, WindowDisplay* display);
 
     // Whether the page asks a question that this window can show. The session's page set may be another one: that is logged.
