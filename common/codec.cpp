@@ -309,7 +309,7 @@ struct Encoder::Templates {
     struct alignas(16) Buffer {
         std::array<std::uint8_t, kMaxDatagramBytes> bytes;
     };
-    std::array<Buffer, kKinds> of_kind;  // NOLINT(cppcoreguidelines-pro-type-member-init): as long as each is
+    std::array<Buffer, kKinds> of_kind{};
 
     Templates() {
         for (std::size_t kind = 0; kind < kKinds; ++kind) {
