@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/codec.hpp"
+#include "common/control/built_in_controllers.hpp"
 #include "common/security/sealing.hpp"
 #include "session/virtual/virtual_session.hpp"
 
@@ -20,26 +21,25 @@ std::size_t message_bytes() {
 
 }  // namespace
 
-std::size_t haptic_packet_bytes(std::size_t flow, bool with_energies) {
+std::size_t haptic_packet_bytes(std::size_t flow, bool with_packets) {
     static const std::size_t command = message_bytes<NeedleCommand>(), force = message_bytes<ForceFeedback>(),
                              command_wave = message_bytes<NeedleWave>(),
                              force_wave = message_bytes<ForceWave>();
     const std::size_t around = kSeals * kSealOverheadBytes + kHeaderBytes_IPv4_UDP;
-    if (flow == 0) return around + (with_energies ? command_wave : command);
-    return around + (with_energies && flow == 1 ? force_wave : force);
+    if (flow == 0) return around + (with_packets ? command_wave : command);
+    return around + (with_packets && flow == 1 ? force_wave : force);
 }
 
-WireUse wire_use(const NetemProcess& netem, const TrialRecord& record) {
+WireUse wire_use(const ControlSettings& control, const NetemProcess& netem, const TrialRecord& record) {
     WireUse use;
-    const bool with_energies = record.conditions.compensator == Compensator::kTwoPort ||
-                               record.conditions.compensator == Compensator::kWave;
+    const bool with_packets = record.conditions.modality == Modality::kHF && has_two_ends(control);
     if (record.samples.empty() || record.samples.back().time_s <= 0) return use;
     const double duration_s = record.samples.back().time_s;
     for (std::size_t flow = 0; flow < use.size(); ++flow) {
         const auto packets = static_cast<double>(netem.relays().at(flow).model.counters().pushed);
         use.at(flow).packets_per_s = packets / duration_s;
         use.at(flow).bytes_per_s =
-            packets * static_cast<double>(haptic_packet_bytes(flow, with_energies)) / duration_s;
+            packets * static_cast<double>(haptic_packet_bytes(flow, with_packets)) / duration_s;
     }
     return use;
 }
@@ -55,7 +55,7 @@ CountedTrial run_counted_trial(const SystemSettings& settings, const TrialCondit
     VirtualSession session(with_force_delay(settings, from_seconds(conditions.delay_s)));
     CountedTrial trial;
     trial.record = session.run(conditions);
-    trial.wire = wire_use(session.netem(), trial.record);
+    trial.wire = wire_use(settings.master.control, session.netem(), trial.record);
     trial.energy_in_J = session.master().energy().energy_in_J();
     return trial;
 }

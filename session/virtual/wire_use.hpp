@@ -24,11 +24,11 @@ using WireUse = std::array<FlowUse, kHapticFlows.size()>;
 
 // The headers of UDP and IPv4.
 inline constexpr std::size_t kHeaderBytes_IPv4_UDP = 28;
-// Of a packet with a NeedleCommand or ForceFeedback, or with energies (two-port passivity), sealed.
-std::size_t haptic_packet_bytes(std::size_t flow, bool with_energies);
+// Of a packet with a NeedleCommand or ForceFeedback, or with the packet of a controller that has two ends, sealed.
+std::size_t haptic_packet_bytes(std::size_t flow, bool with_packets);
 
 // Of the trial that has just ended, over its recorded samples.
-WireUse wire_use(const NetemProcess& netem, const TrialRecord& record);
+WireUse wire_use(const ControlSettings& control, const NetemProcess& netem, const TrialRecord& record);
 
 // The same session with this codec at both ends, and the slave's patience for it. Not with the compensator "wave".
 SystemSettings with_codec(SystemSettings settings, const CodecSettings& codec);
