@@ -1,7 +1,8 @@
 // The age of the forces that arrive, and how much it varies. Only the forces are needed.
 //
-//     A += (age - A) / 8          mean (as the round trip of RFC 6298)
-//     J += (|D| - J) / 16         D: difference of two ages in a row (interarrival jitter of RFC 3550, 6.4.1)
+//     A += (age - A) / 8,   J += (|D| - J) / 16
+//
+// A is a mean, as the round trip of RFC 6298. J is the interarrival jitter of RFC 3550 (6.4.1). D is the difference of two ages in a row.
 #pragma once
 
 #include <cmath>

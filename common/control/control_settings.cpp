@@ -18,6 +18,10 @@ void read_plugin(const ConfigFile& session, const ConfigTable& table, ControlSet
     if (table.has("compensator")) table.fail("plugin", "stands beside compensator: leave one of them out");
     table.load("plugin", [&] { s.plugin = load_plugin(session.folder() / name); });
     session.uses(name);
+    const std::filesystem::path helper =
+        std::filesystem::path(name).replace_filename("thimble_controller.py");
+    if (name.ends_with(".py") && std::filesystem::exists(session.folder() / helper))
+        session.uses(helper.string());
     s.compensator = Compensator::kPlugin;
     const std::span keys(s.plugin.table->keys, s.plugin.table->key_count);
     for (std::size_t i = 0; i < keys.size(); ++i)

@@ -33,9 +33,10 @@ enum class Compensator : std::uint8_t {
     kFourChannel,        // positions and forces both ways, with a model at each end; needs both sides
     kPlugin,             // of the user (docs/howto/controller.md); the last
 };
-inline constexpr std::array<std::string_view, 10> kCompensatorNames{
-    "none", "scaled",   "passivity", "energy-bound-memoryless", "energy-bound", "two-layer", "local-fixture",
-    "wave", "two-port", "plugin"};
+inline constexpr std::array<std::string_view, 13> kCompensatorNames{
+    "none",          "scaled", "passivity", "energy-bound-memoryless", "energy-bound",    "two-layer",
+    "local-fixture", "wave",   "two-port",  "adaptive-fixture",        "predicted-share", "four-channel",
+    "plugin"};
 // Those that a session chooses by name.
 inline constexpr auto kBuiltInCompensators = std::span(kCompensatorNames).first(kCompensatorNames.size() - 1);
 

@@ -1,5 +1,7 @@
 #include "study/maps/map_options.hpp"
 
+#include <algorithm>
+
 #include <CLI/CLI.hpp>
 
 #include "common/error.hpp"
@@ -48,7 +50,8 @@ void add_loop_options(CLI::App& command, SweepArguments& a) {
     command
         .add_option("--compensator", a.compensators,
                     "none (default), scaled, passivity, energy-bound, energy-bound-memoryless, two-layer, "
-                    "local-fixture, wave, two-port (docs/compensators.md), several with commas")
+                    "local-fixture, wave, two-port, adaptive-fixture, predicted-share, four-channel "
+                    "(docs/compensators.md), or the session's plugin, several with commas")
         ->delimiter(',');
 }
 
@@ -81,7 +84,7 @@ void add_operator_options(CLI::App& command, SweepArguments& a) {
     command.add_option(
         "session", a.session,
         "session file (TOML) or name, for the virtual operator: also its delays and modalities, "
-        "unless --delay-s and --compensator are given");
+        "unless --delay-s and --compensator are given; or the one with the plug-in of --compensator plugin");
 }
 
 // The virtual operator has the session's trials, but for their number, which is --trials.
@@ -141,8 +144,13 @@ MapGrid grid_of(const SweepArguments& a) {
         throw Error(ExitCode::kUsage,
                     "--operator virtual has a hand of its own ([operator] of the session): leave out --hand, "
                     "--mass-kg");
-    if (!person && !a.session.empty())
-        throw Error(ExitCode::kUsage, "a session is of --operator virtual: say that, or leave it out");
+    if (!person && !a.session.empty()) {
+        if (std::find(a.compensators.begin(), a.compensators.end(), "plugin") == a.compensators.end())
+            throw Error(ExitCode::kUsage,
+                        "a session is of --operator virtual, or names the plug-in of --compensator plugin: "
+                        "say that, or leave it out");
+        grid.config = find_session_file(a.session).string();
+    }
     if (person) {
         grid.hands = {{"virtual", {1, 0, 0}}};
     } else if (a.own_hand.mass_kg != 0) {

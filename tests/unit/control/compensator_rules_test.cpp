@@ -153,7 +153,8 @@ TEST(ControlSettings, EachCompensatorHasItsName) {
     for (std::size_t i = 0; i < kBuiltInCompensators.size(); ++i) {
         const ControlSettings s = control_of("compensator = \"" + std::string(kCompensatorNames[i]) + "\"");
         EXPECT_EQ(s.compensator, static_cast<Compensator>(i));
-        EXPECT_EQ(s.hand_share() < 1, s.compensator == Compensator::kScaled);
+        EXPECT_EQ(s.hand_share() < 1,
+                  s.compensator == Compensator::kScaled || s.compensator == Compensator::kPredictedShare);
     }
 }
 

@@ -41,9 +41,12 @@ TEST(HandleControl, WorksInTheHandleModalityOnly) {
         EXPECT_FALSE(control.active());
         control.start(true, {});
         EXPECT_EQ(control.present(), compensator != Compensator::kNone) << kCompensatorNames[i];
-        EXPECT_EQ(control.active(), compensator != Compensator::kNone && compensator != Compensator::kScaled)
-            << kCompensatorNames[i];
-        EXPECT_EQ(control.waves(), compensator == Compensator::kWave || compensator == Compensator::kTwoPort)
+        const bool at_once =
+            compensator == Compensator::kScaled || compensator == Compensator::kPredictedShare;
+        EXPECT_EQ(control.active(), compensator != Compensator::kNone && !at_once) << kCompensatorNames[i];
+        EXPECT_EQ(control.waves(), compensator == Compensator::kWave ||
+                                       compensator == Compensator::kTwoPort ||
+                                       compensator == Compensator::kFourChannel)
             << kCompensatorNames[i];
         control.end();
         EXPECT_FALSE(control.present());
