@@ -69,7 +69,7 @@ SlaveSettings read_slave_settings(const ConfigFile& file) {
     // It would move without a command.
     if (stale != "hold") own.fail("stale", "can only be \"hold\": a needle without commands stands still");
     s.codec = read_codec_settings(file.table("codec"));
-    // Fewer packets need more patience: two in a row may be lost.
+    // Fewer packets need more patience: two of them may be lost.
     if (s.codec.command != HapticCodec::kNone)
         s.stale_after = std::max(s.stale_after, s.codec.slave_patience());
     own.read("stale_after_s", s.stale_after, 0.001, 10,

@@ -53,10 +53,10 @@ CodecSettings read_codec_settings(const ConfigTable& table) {
 
 void check_refresh(const ConfigTable& table, const CodecSettings& codec, std::string_view node,
                    Duration after) {
-    if (!codec.used() || 2 * codec.refresh < after) return;
+    if (!codec.used() || 3 * codec.refresh < after) return;
     table.fail("refresh_s",
-               "is {} s, but {}.stale_after_s is {} s: after one lost packet the output would fall; use "
-               "less than half of it",
+               "is {} s, but {}.stale_after_s is {} s: after two lost packets the output would fall; use "
+               "less than a third of it",
                to_seconds(codec.refresh), node, to_seconds(after));
 }
 

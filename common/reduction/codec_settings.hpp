@@ -32,16 +32,16 @@ struct CodecSettings {
     double delta_position_m = 1e-4;  // of the needle; also what a deadband lets its place be wrong by
     double delta_force_N = 0.05;
     unsigned every = 10;
-    Duration refresh = std::chrono::milliseconds{40};
+    Duration refresh = std::chrono::milliseconds{30};
 
     bool used() const { return command != HapticCodec::kNone || force != HapticCodec::kNone; }
     // The slave's stale_after_s where the file has none: two refreshes may be lost.
-    Duration slave_patience() const { return refresh * 5 / 2; }
+    Duration slave_patience() const { return refresh * 10 / 3; }
 };
 
 // Throws Error (usage).
 CodecSettings read_codec_settings(const ConfigTable& table);
-// Refuses a refresh bound that would let an output's stale policy trip after one lost packet. `after`: of [`node`] stale_after_s.
+// Refuses a refresh bound that would let an output's stale policy trip after two lost packets. `after`: of [`node`] stale_after_s.
 void check_refresh(const ConfigTable& table, const CodecSettings& codec, std::string_view node,
                    Duration after);
 

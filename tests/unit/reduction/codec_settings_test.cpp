@@ -43,9 +43,9 @@ TEST(CodecSettings, RefuseAKeyWithoutEffect) {
                 testing::HasSubstr("delta_position_m"));
 }
 
-TEST(CodecSettings, RefuseARefreshBoundThatOneLostPacketWouldBreak) {
-    EXPECT_EQ(codec_refusal("force = 'deadband'\nrefresh_s = 0.049"), "");
-    EXPECT_THAT(codec_refusal("force = 'deadband'\nrefresh_s = 0.05"),
+TEST(CodecSettings, RefuseARefreshBoundThatTwoLostPacketsWouldBreak) {
+    EXPECT_EQ(codec_refusal("force = 'deadband'\nrefresh_s = 0.033"), "");
+    EXPECT_THAT(codec_refusal("force = 'deadband'\nrefresh_s = 0.034"),
                 testing::HasSubstr("visual.stale_after_s"));
 }
 

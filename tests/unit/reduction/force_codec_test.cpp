@@ -87,7 +87,7 @@ TEST(ForceGate, SendsAtTheRefreshBoundWithoutAChange) {
         settings.every = 1000;
         ForceGate gate(settings, kAnswerPeriod, true);
         for (int i = 0; i < 200; ++i)
-            EXPECT_EQ(gate.due(stamp_of(i), force(i, -1)), i % 40 == 0) << kHapticCodecNames[codec] << i;
+            EXPECT_EQ(gate.due(stamp_of(i), force(i, -1)), i % 30 == 0) << kHapticCodecNames[codec] << i;
     }
 }
 

@@ -141,7 +141,7 @@ RC_GTEST_PROP(NeedleFill, DoesNotPushInwardsAgainstAForceByItself, ()) {
     sent.position_needle_m = *rc::gen::inRange(-100, 100) * 1e-3;
     sent.velocity_needle_m_per_s = *rc::gen::inRange(-1000, 1000) * 1e-3;
     sent.force_hand_N = *rc::gen::inRange(1, 12);
-    const Duration since = milliseconds(*rc::gen::inRange(0, 40));
+    const Duration since = milliseconds(*rc::gen::inRange(0, 30));
     RC_ASSERT(reconstructed(sent, since, any_codec()).position_needle_m <= sent.position_needle_m);
 }
 
@@ -152,7 +152,7 @@ TEST(NeedleFill, EndsAtTheRefreshBoundAndGoesOnWithTheNextPacket) {
     EXPECT_TRUE(fill.heard(time_of(0), header, {}));
     int samples = 0;
     for (std::size_t i = 1; i < 100; ++i) samples += fill.take(time_of(i)) != nullptr ? 1 : 0;
-    EXPECT_EQ(samples, 40);
+    EXPECT_EQ(samples, 30);
     EXPECT_EQ(fill.next(), kNever);
     header.send_time = time_of(90);
     EXPECT_TRUE(fill.heard(time_of(100), header, {}));
