@@ -2,6 +2,7 @@
 import os
 import pathlib
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -96,10 +97,25 @@ def test_ctrl_c_ends_long_work():
     assert "KeyboardInterrupt" in words
 
 
-def test_a_log_has_what_the_program_exports(tmp_path):
+@pytest.fixture
+def base_port():
+    """A block of ports, kept by a socket on its last one as tests/loopback/workbench.cpp keeps its own."""
+    for block in range(150):
+        base = 10000 + (os.getpid() + block) % 150 * 128
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as guard:
+            try:
+                guard.bind(("127.0.0.1", base + 127))
+            except OSError:
+                continue
+            yield base
+            return
+
+
+def test_a_log_has_what_the_program_exports(tmp_path, base_port, monkeypatch):
+    monkeypatch.setenv("THIMBLE_STOP_DIR", str(tmp_path))
     session = tmp_path / "session.toml"
-    session.write_text("[session]\nmodalities = ['CF']\ndelays_s = [0.01]\n[trial]\ncontact_hold_s = 0.1\n[log]\nmessages = 'all'\n")
-    program("run", session, "--clock", "lock-step", "--out", tmp_path / "run")
+    session.write_text("[session]\nmodalities = ['CF']\ndelays_s = [0.01]\n[trial]\ncontact_hold_s = 0.1\ntimeout_s = 1\n[log]\nmessages = 'all'\n")
+    program("run", session, "--clock", "lock-step", "--base-port", base_port, "--out", tmp_path / "run")
     log = next(path for path in (tmp_path / "run").rglob("*master*.mcap"))
     program("log", "export", log, "--csv", tmp_path / "csv")
     tables = thimble.read_log(log)
