@@ -2,9 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <ros2.h>
 #include <string_view>
-
-#include "ros2.h"
 
 namespace thimble {
 

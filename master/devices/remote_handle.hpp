@@ -27,8 +27,7 @@ struct Ros2HandleSettings {
 };
 inline Ros2HandleSettings read_ros2_handle_settings(const ConfigTable& table) {
     Ros2HandleSettings settings;
-    table.read("interface", settings.interface,
-               "Address of the one interface that DDS uses; not this machine alone: see docs/ros2.md.");
+    table.read("interface", settings.interface, "Address of the one interface that DDS uses (docs/ros2.md).");
     return settings;
 }
 

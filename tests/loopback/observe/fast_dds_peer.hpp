@@ -11,11 +11,10 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <memory>
 #include <optional>
+#include <ros2PubSubTypes.h>
 #include <string>
 #include <unistd.h>
 #include <vector>
-
-#include "ros2PubSubTypes.h"
 
 namespace thimble {
 

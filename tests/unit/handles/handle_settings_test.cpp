@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "master/devices/remote_handle.hpp"
+
 namespace thimble {
 namespace {
 
@@ -38,6 +40,15 @@ TEST(HandleSettings, ReadsDeviceMechanicsAndCoupling) {
     EXPECT_EQ(handle_from("").kind, HandleKind::kSimulated);
     EXPECT_EQ(handle_from("").encoder_resolution_m, 1e-5);
     EXPECT_ANY_THROW(handle_from("[handle]\ndevice = 'mouse'\n"));
+}
+
+TEST(RealHandleSettings, ADeviceOfAnotherProgramIsAsRealAsOnUsb) {
+    const HandleSettings ros2 = handle_from("[handle]\ndevice = 'ros2'\n");
+    EXPECT_TRUE(is_real(ros2.kind));
+    EXPECT_TRUE(held_by_person(ros2.kind));
+    EXPECT_EQ(user_limit(ros2), kRos2DriverLimit);
+    EXPECT_FALSE(is_real(HandleKind::kHid));
+    EXPECT_ANY_THROW(handle_from("[handle.ros2]\nport = 1\n"));
 }
 
 TEST(RealHandleSettings, DefaultsPushAwayFromTheUser) {
