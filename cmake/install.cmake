@@ -14,7 +14,7 @@ function(thimble_export target name)
     install(TARGETS ${target} EXPORT thimble ARCHIVE COMPONENT development)
     foreach(FOLDER ${ARGN})
         install(DIRECTORY ${PROJECT_SOURCE_DIR}/${FOLDER}/ DESTINATION ${THIMBLE_HEADER_DIR}/${FOLDER} COMPONENT development
-            FILES_MATCHING PATTERN *.hpp PATTERN controller.h PATTERN runtime EXCLUDE PATTERN import EXCLUDE PATTERN relay EXCLUDE PATTERN shell EXCLUDE PATTERN commands EXCLUDE)
+            FILES_MATCHING PATTERN *.hpp PATTERN controller.h PATTERN runtime EXCLUDE PATTERN ros2 EXCLUDE PATTERN import EXCLUDE PATTERN relay EXCLUDE PATTERN shell EXCLUDE PATTERN commands EXCLUDE)
     endforeach()
 endfunction()
 thimble_export(thimble_common common common)
