@@ -2,10 +2,12 @@
 // whose bytes are others each time.
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "study/board/board_report.hpp"
 
@@ -27,6 +29,14 @@ std::vector<double> steps_us(const SystemSettings& settings, std::uint64_t seed,
     return steps;
 }
 
+std::optional<SystemSettings> possible_session(const BoardPlan& plan, const BoardPlace& place) {
+    try {
+        return read_system_settings(ConfigFile::parse(row_session(plan, place), row_name(place)));
+    } catch (const Error&) {
+        return std::nullopt;  // its row says why
+    }
+}
+
 }  // namespace
 
 std::vector<BoardCost> measure_costs(const BoardPlan& plan) {
@@ -35,11 +45,11 @@ std::vector<BoardCost> measure_costs(const BoardPlan& plan) {
     for (std::size_t row = 0; row < plan.rows(); row += plan.conditions.size()) {
         const BoardPlace place = place_of(plan, row);
         if (place.controller.plugin) continue;  // it could crash here
-        const SystemSettings settings =
-            read_system_settings(ConfigFile::parse(row_session(plan, place), row_name(place)));
         BoardCost cost{place.controller.name, place.codec.name};
+        const auto settings = possible_session(plan, place);
+        if (!settings) continue;
         for (std::uint32_t subject = 1; subject <= kCostTrials; ++subject) {
-            const std::vector<double> steps = steps_us(settings, plan.seed, subject);
+            const std::vector<double> steps = steps_us(*settings, plan.seed, subject);
             if (steps.empty() || !(steps.back() < cost.worst_us)) continue;
             cost.median_us = steps[steps.size() / 2];
             cost.most_us = steps[steps.size() - 1 - steps.size() / 1000];

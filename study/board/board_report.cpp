@@ -72,7 +72,7 @@ ReportTable failing_table(const std::vector<BoardRow>& rows) {
         "The command runs the first such trial again, in this folder. thimble play --replay seen shows it.",
         {"controller", "codec", "condition", "reason", "command"}};
     for (const BoardRow& row : rows) {
-        if (row.stable()) continue;
+        if (row.stable() || !row.possible()) continue;
         const std::string command =
             row.subject > 0 ? fmt::format("thimble run sessions/{} --clock virtual --out seen", row_file(row))
                             : std::string(kDash);

@@ -11,12 +11,14 @@
 
 #include "analysis/statistics/descriptive.hpp"
 #include "common/csv/csv.hpp"
+#include "common/error.hpp"
+#include "common/process/apart.hpp"
 #include "common/random.hpp"
-#include "study/board/apart.hpp"
 
 namespace thimble {
 namespace {
 
+constexpr Duration kPluginPatience = std::chrono::minutes{2};  // for a row of a Python file's controller, too
 constexpr std::size_t kResamples = 1000;
 constexpr std::uint32_t kBootstrapStream = 32;  // in the place of an experiment's number
 
@@ -58,6 +60,12 @@ std::string as_field(std::string text) {
     return text;
 }
 
+// Of a row, as it comes back from a process of its own.
+struct Outcome {
+    std::array<BoardValue, kBoardMeasures> values{};
+    std::uint32_t trials = 0, subject = 0;
+};
+
 void run_trials_of(const BoardPlan& plan, const BoardPlace& place, BoardRow& row) {
     const std::string session = row_session(plan, place);
     const SystemSettings settings = read_system_settings(ConfigFile::parse(session, row_name(place)));
@@ -69,6 +77,29 @@ void run_trials_of(const BoardPlan& plan, const BoardPlace& place, BoardRow& row
         if (bad && row.subject == 0) row.subject = subject;
     }
     condense(trials, plan.seed, row);
+}
+
+// A plug-in is loaded and runs in a process of its own, because it may crash, hang or end the program.
+void run_plugin_apart(const BoardPlan& plan, const BoardPlace& place, BoardRow& row) {
+    const ApartResult apart = run_apart(
+        [&] {
+            run_trials_of(plan, place, row);
+            return bytes_of(Outcome{row.values, row.trials, row.subject});
+        },
+        kPluginPatience);
+    if (!apart.bytes) throw Error(ExitCode::kRunFailed, "{}", apart.failure);
+    std::string_view bytes = *apart.bytes;
+    const auto outcome = take_plain<Outcome>(bytes);
+    row.values = outcome.values;
+    row.trials = outcome.trials;
+    row.subject = outcome.subject;
+}
+
+// Why a row has no measures. A session that is refused is one that cannot be, such as wave variables with a codec.
+std::string reason_of(const std::exception& failure, bool plugin) {
+    const auto* const error = dynamic_cast<const Error*>(&failure);
+    const bool refused = !plugin && error != nullptr && error->code() == ExitCode::kUsage;
+    return as_field((refused ? std::string(kNotPossible) : std::string()) + failure.what());
 }
 
 }  // namespace
@@ -100,14 +131,10 @@ BoardRow run_board_row(const BoardPlan& plan, std::size_t number) {
     row.loss = place.condition.loss;
     const BoardRow empty = row;
     try {
-        const auto run = [&] {
-            run_trials_of(plan, place, row);
-            return row;
-        };
-        return place.controller.plugin ? run_apart(run) : run();
-    } catch (const std::exception& error) {
+        (place.controller.plugin ? run_plugin_apart : run_trials_of)(plan, place, row);
+    } catch (const std::exception& failure) {
         row = empty;
-        row.status = as_field(error.what());
+        row.status = reason_of(failure, place.controller.plugin);
     }
     return row;
 }

@@ -16,6 +16,8 @@
 namespace thimble {
 
 inline constexpr double kBoardConfidence = 0.9;
+// So begins the status of a row whose session cannot be.
+inline constexpr std::string_view kNotPossible = "not possible: ";
 
 enum BoardMeasure : std::size_t {
     kOscillating,      // share of trials
@@ -27,7 +29,7 @@ enum BoardMeasure : std::size_t {
     kDrift,            // m of needle
     kEnergyOut,        // J, the most that the handle's port had given out at any time
     kPackets,          // per second, of needle and force together
-    kBytes,            // the same, with 28 bytes of IPv4 and UDP for each
+    kBytes,            // the same, with seals and headers (wire_use.hpp)
     kBoardMeasures
 };
 inline constexpr std::array<std::string_view, kBoardMeasures> kBoardMeasureColumns{
@@ -55,6 +57,7 @@ struct BoardRow {
     std::uint32_t subject = 0;  // of the first trial that oscillates or does not complete; 0: none
     std::string status = "ok";  // else why the row has no measures
 
+    bool possible() const { return !status.starts_with(kNotPossible); }
     // All trials completed, and none oscillated.
     bool stable() const {
         return status == "ok" && values[kOscillating].mean == 0 && values[kNotCompleted].mean == 0;

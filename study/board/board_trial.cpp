@@ -1,43 +1,17 @@
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "session/settings/protocol.hpp"
 #include "session/virtual/virtual_session.hpp"
+#include "session/virtual/wire_use.hpp"
 #include "study/board/board_row.hpp"
 #include "study/compensators/compensator_study.hpp"
 
 namespace thimble {
 namespace {
 
-constexpr double kHeaderBytes = 28;  // of IPv4 and UDP, which a queue does not have
-
-// Of the two haptic flows, before the network.
-struct Traffic {
-    double packets = 0, bytes = 0;
-};
-
-class CountedWire final : public Channel {
-  public:
-    CountedWire(Channel& inner, Traffic& traffic) : inner_(&inner), traffic_(&traffic) {}
-    void send(Bytes datagram) override {
-        traffic_->packets += 1;
-        traffic_->bytes += static_cast<double>(datagram.size()) + kHeaderBytes;
-        inner_->send(datagram);
-    }
-
-  private:
-    Bytes take() override { return inner_->receive(); }
-    Channel* inner_;
-    Traffic* traffic_;
-};
-
-QueueNetwork::MakeTap counter_of(Traffic& traffic) {
-    return [&traffic](Port to, Channel& end) -> std::unique_ptr<Channel> {
-        if (to != Port::kNetemNeedle && to != Port::kNetemForceMaster) return nullptr;
-        return std::make_unique<CountedWire>(end, traffic);
-    };
-}
+constexpr std::size_t kNeedleFlow = 0,
+                      kForceFlow = 1;  // of kHapticFlows: to the slave, and back to the handle
 
 // The hand itself, which no record holds.
 struct HandSample {
@@ -79,9 +53,7 @@ void measure_hand(const std::vector<HandSample>& samples, const TrialRecord& rec
 BoardTrial run_board_trial(const SystemSettings& settings, std::uint64_t seed, std::uint32_t subject,
                            const std::function<void()>& each_sample) {
     const TrialConditions conditions = conditions_of(settings, seed, subject);
-    Traffic traffic;
-    VirtualSession session(with_force_delay(settings, from_seconds(conditions.delay_s)), nullptr, {},
-                           counter_of(traffic));
+    VirtualSession session(with_force_delay(settings, from_seconds(conditions.delay_s)));
     std::vector<HandSample> samples;
     double energy_out_J = 0;
     session.session().set_sample_hook([&](const TrajectorySample& sample) {
@@ -100,8 +72,9 @@ BoardTrial run_board_trial(const SystemSettings& settings, std::uint64_t seed, s
     trial.values[kPenetrationMax] = metrics.penetration_max_m;
     trial.values[kCompletionTime] = trial.completed ? metrics.completion_time_s : TrialMetrics::kNone;
     trial.values[kEnergyOut] = energy_out_J;
-    trial.values[kPackets] = traffic.packets / metrics.duration_s;
-    trial.values[kBytes] = traffic.bytes / metrics.duration_s;
+    const WireUse wire = wire_use(settings.master.control, session.netem(), record);
+    trial.values[kPackets] = wire[kNeedleFlow].packets_per_s + wire[kForceFlow].packets_per_s;
+    trial.values[kBytes] = wire[kNeedleFlow].bytes_per_s + wire[kForceFlow].bytes_per_s;
     measure_hand(samples, record, metrics.first_contact_time_s + kHoldSettling_s, settings, trial);
     return trial;
 }

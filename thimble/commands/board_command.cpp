@@ -10,9 +10,11 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/process/sandbox.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "study/board/board_report.hpp"
 #include "study/board/board_run.hpp"
+#include "study/board/plugin_check.hpp"
 #include "study/ranks/ranks.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"
@@ -27,7 +29,8 @@ struct BoardArguments {
     std::vector<std::string> plugins, only;
     std::uint64_t seed = 1;
     unsigned jobs = 0;
-    bool quick = false, overwrite = false, resume = false;
+    std::string check;
+    bool quick = false, overwrite = false, resume = false, sandbox = false, json = false;
 };
 
 BoardPlan plan_of(const BoardArguments& a) {
@@ -58,14 +61,30 @@ void say_ranks(const std::vector<BoardRow>& rows) {
 int say_failures(const std::vector<BoardRow>& rows) {
     int code = static_cast<int>(ExitCode::kOk);
     for (const BoardRow& row : rows) {
-        if (row.status == "ok") continue;
+        if (row.status == "ok" || !row.possible()) continue;
         spdlog::error("{}, {}, {}: {}", row.controller, row.codec, row.condition, row.status);
         code = static_cast<int>(ExitCode::kRunFailed);
     }
     return code;
 }
 
+int check(const BoardArguments& a) {
+    const PluginCheck found = check_plugin(a.check);
+    fmt::print("{}\n", a.json ? found.json() : found.text());
+    return found.exit_code();
+}
+
+// Before anything is written or loaded.
+void enter_sandbox_of(const BoardArguments& a) {
+    if (!a.sandbox || in_sandbox()) return;
+    if (const std::string why = why_no_sandbox(); !why.empty())
+        throw Error(ExitCode::kUsage, "--sandbox: {}", why);
+    enter_sandbox({a.out});
+}
+
 int board(const BoardArguments& a) {
+    enter_sandbox_of(a);
+    if (!a.check.empty()) return check(a);
     const BoardPlan plan = plan_of(a);
     install_stop_signals();
     const IfExists fresh = a.overwrite ? IfExists::kReplace : IfExists::kRefuse;
@@ -91,6 +110,12 @@ void add_options(CLI::App& sub, BoardArguments& a) {
     sub.add_option("--plugin", a.plugins, "one more controller, from this file; may be repeated")
         ->allow_extra_args(false)
         ->type_name("FILE");
+    CLI::Option* const checked =
+        sub.add_option("--check", a.check,
+                       "does this controller keep the rules of thimble/controller.h? No board")
+            ->type_name("FILE");
+    sub.add_flag("--json", a.json, "the findings of --check as JSON")->needs(checked);
+    sub.add_flag("--sandbox", a.sandbox, "run inside bubblewrap: plug-ins write in the output folder alone");
     sub.add_option("--only", a.only, "these controllers, codecs and conditions alone, e.g. HF,wave,50ms")
         ->delimiter(',')
         ->allow_extra_args(false)
@@ -114,6 +139,7 @@ Subcommand add_board(CLI::App& app) {
     sub->footer(
         "Examples:\n  thimble board --out out/board\n"
         "  thimble board --quick --seed 7 --out out/quick\n"
+        "  thimble board --check ./mine.so\n"
         "  thimble board --plugin ./mine.so --only mine,wave --out out/mine");
     return {sub, [arguments] { return board(*arguments); }, true};
 }
