@@ -1,10 +1,12 @@
 // thimble board as users start it: the same table with any number of threads, interrupted or not, and a page that leads to a trial.
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "study/board/board_row.hpp"
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
 
@@ -12,9 +14,11 @@ namespace thimble {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 Outcome board(const std::string& words, const std::filesystem::path& out) {
-    return run_thimble(words_in("board --quick --only HF,CF,0ms,50ms " + words + " --out " + out.string()));
+    return run_thimble(
+        words_in("board --quick --only HF,CF,every-sample,0ms,50ms " + words + " --out " + out.string()));
 }
 
 TEST(BoardProgram, TheSameBytesWithAnyNumberOfThreadsAndAfterAnInterruption) {
@@ -40,6 +44,29 @@ TEST(BoardProgram, TheSameBytesWithAnyNumberOfThreadsAndAfterAnInterruption) {
                                       "virtual", "--out", (folder / "seen").string()});
     EXPECT_EQ(seen.code, 0) << seen.words;
     EXPECT_THAT(seen.words, HasSubstr("oscillates"));
+}
+
+TEST(BoardProgram, APluginIsARowAndABadOneCostsItsOwnRowOnly) {
+    const Folder folder;
+    const std::string words = "board --quick --only mine,bad_abi,wave,deadband,50ms --plugin " THIMBLE_PLUGINS
+                              "/mine.so --plugin " THIMBLE_PLUGINS "/bad_abi.so --out ";
+    const Outcome outcome = run_thimble(words_in(words + (folder / "own").string()));
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.words, HasSubstr("bad_abi, deadband, 50ms: "));
+    const std::vector<BoardRow> rows = read_board_rows(folder / "own/board.csv");
+    ASSERT_EQ(rows.size(), 3U);
+    EXPECT_THAT(rows[0].status, StartsWith("not possible: "));  // wave variables go without a codec
+    EXPECT_EQ(rows[1].status, "ok");
+    EXPECT_EQ(rows[1].trials, 5U);
+    EXPECT_GT(rows[1].values[kPenetrationMax].mean, 0);
+    EXPECT_THAT(rows[2].status, HasSubstr("99"));
+}
+
+TEST(BoardProgram, ChecksAPlugin) {
+    const Outcome good = run_thimble({"board", "--check", THIMBLE_PLUGINS "/mine.so", "--json"});
+    EXPECT_EQ(good.code, 0) << good.words;
+    EXPECT_THAT(good.words, HasSubstr("\"findings\""));
+    EXPECT_EQ(run_thimble({"board", "--check", THIMBLE_PLUGINS "/no_symbol.so"}).code, 1);
 }
 
 TEST(BoardProgram, MistakesAreSaidBeforeTheFirstTrial) {
