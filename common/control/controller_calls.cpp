@@ -1,5 +1,6 @@
 #include "common/control/controller_calls.hpp"
 
+#include <array>
 #include <csignal>
 #include <cstring>
 #include <iterator>
@@ -13,6 +14,8 @@ void say(const char* text) {
     if (write(STDERR_FILENO, text, std::strlen(text)) < 0) return;
 }
 
+std::array<struct sigaction, 65> before{};  // by signal
+
 void on_crash(int number) {
     const PluginPlace place = plugin_place();
     if (place.file != nullptr) {
@@ -22,15 +25,15 @@ void on_crash(int number) {
         say(place.function);
         say("()\n");
     }
-    std::signal(number, SIG_DFL);
+    sigaction(number, &before.at(static_cast<std::size_t>(number)), nullptr);
     std::raise(number);
 }
 
-// One that another part of the program has set, a sanitizer for instance, stays.
+// The handler that was there, of a sanitizer for instance, has the signal next.
 void watch(int number) {
-    struct sigaction now {};
-    if (sigaction(number, nullptr, &now) != 0 || now.sa_handler != SIG_DFL) return;
-    std::signal(number, on_crash);
+    struct sigaction ours {};
+    ours.sa_handler = on_crash;
+    sigaction(number, &ours, &before.at(static_cast<std::size_t>(number)));
 }
 
 }  // namespace

@@ -70,11 +70,16 @@ bool read_until(int from, SessionTime end, std::string& bytes) {
     }
 }
 
+// The last one, or the one about a plug-in: a sanitizer's report may follow that.
 std::string last_line(int words) {
-    std::array<char, 512> end{};
+    std::array<char, 16384> end{};
     const off_t size = lseek(words, 0, SEEK_END);
     const ssize_t got = pread(words, end.data(), end.size(), std::max<off_t>(0, size - off_t{end.size()}));
     std::string_view text(end.data(), got > 0 ? static_cast<std::size_t>(got) : 0);
+    if (const std::size_t at = text.rfind("plug-in "); at != std::string_view::npos) {
+        text.remove_prefix(at);
+        return std::string(take_until(text, '\n'));
+    }
     while (!text.empty() && text.back() == '\n') text.remove_suffix(1);
     return std::string(text.substr(text.rfind('\n') + 1));
 }
