@@ -10,14 +10,16 @@
 #include <list>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 
 namespace thimble {
 
 // How long a message may wait. A blocking receive of Open MPI would use up a core that could work.
 inline constexpr std::chrono::microseconds kNap{500};
-inline void nap() { std::this_thread::sleep_for(kNap); }
+inline void nap() {
+    std::promise<void> never;
+    never.get_future().wait_for(kNap);
+}
 
 struct DoneItem {
     std::size_t item = 0;

@@ -20,7 +20,7 @@ SUB_ROOMS = {
     "stability": (".",),
     "session": ("records", "clocks", "log", "settings", "launch", "run", "virtual", "participant", "play", "render", "observe"),
     "analysis": ("statistics", "text", "tables", "claims", "figures", ".", "report"),
-    "study": (".", "ranks", "compensators", "board", "fit", "maps", "power", "sweeps", "swarm"),
+    "study": ("ranks", ".", "compensators", "board", "fit", "maps", "power", "sweeps", "swarm"),
     "thimble": ("doctor", "link_test", "log", "commands", "."),
 }
 # Made by flatc from common/messages.fbs. The wire structs end at the codec.

@@ -122,7 +122,7 @@ TEST(SweepProgram, WithoutItsModuleForRanksThimbleSaysSo) {
     EXPECT_THAT(outcome.words, HasSubstr("build with -DTHIMBLE_MPI=ON"));
 }
 
-// Comparisons, studies over seeds and the board go through the same pool.
+// Studies over seeds and the board go through the same pool.
 TEST(SweepProgram, RanksAndThreadsMakeTheSameTrialsAndRows) {
     SKIP_WITHOUT_MPI();
     const Folder folder;
@@ -135,7 +135,6 @@ TEST(SweepProgram, RanksAndThreadsMakeTheSameTrialsAndRows) {
         EXPECT_EQ(two.code, one.code) << two.words;
         EXPECT_EQ(read_text(ranks / file), read_text(threads / file)) << words;
     };
-    both("compensators --only HF,wave --subjects 2 --delays-s 0.05", "compensator_trials.csv");
     both("study --seeds 2 --subjects 2 --experiment 3", "claims_seeds.csv");
     both("board --quick --only CF,scaled,0ms,50ms", "board.csv");
 }
