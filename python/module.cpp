@@ -1,4 +1,6 @@
 // The module _thimble, which thimble/__init__.py shows. An Error becomes one of the exceptions of thimble/errors.py, with its words.
+#include <utility>
+
 #include "common/error.hpp"
 #include "common/version.hpp"
 #include "python/bindings.hpp"
@@ -10,7 +12,7 @@ namespace py = pybind11;
 
 void translate(std::exception_ptr thrown) {
     try {
-        if (thrown) std::rethrow_exception(thrown);
+        if (thrown) std::rethrow_exception(std::move(thrown));
     } catch (const Error& error) {
         const py::object of_code = py::module_::import("thimble.errors").attr("of_code");
         const py::object made = of_code(static_cast<int>(error.code()), error.what());
