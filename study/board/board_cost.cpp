@@ -1,5 +1,5 @@
-// What a millisecond of a session costs with each contestant. It is the only wall-clock time of the board, so it has a file of its own,
-// whose bytes are others each time.
+// The time that a millisecond of a session takes with each contestant. It is the only wall-clock time of the board, so it has a file of
+// its own, whose bytes differ from run to run.
 #include <algorithm>
 #include <cstddef>
 #include <optional>
