@@ -200,7 +200,7 @@ TEST_F(Questions, AnEmergencyStopInTheConsentPageIsSaidAtOnce) {
     };
     trials_.stopped_by = "emergency stop (visual): a key";
     trials_.stop_at = 1;
-    WrittenLines lines({"", "release", "q"});
+    WrittenLines lines({"", "release", "what?", "q"});
     Asker asker{trials_, &lines, nullptr, say};
     PageKind seen = PageKind::kNone;
     asker.hold = [&] {
@@ -211,8 +211,10 @@ TEST_F(Questions, AnEmergencyStopInTheConsentPageIsSaidAtOnce) {
     EXPECT_EQ(ask_consent(asker, pages_), Consent::kStopped);
     EXPECT_THAT(said_, ElementsAre(HasSubstr("consent, version v2"),
                                    "emergency stop (visual): a key, or type 'release'",
-                                   "nothing begins before the stop is released", "released"));
-    EXPECT_EQ(seen, PageKind::kQuestion) << "it comes back";
+                                   "nothing begins before the stop is released", "released",
+                                   "the participant answers at the screen; q: stop here"));
+    EXPECT_EQ(seen, PageKind::kPaused);
+    EXPECT_EQ(trials_.shown.kind, PageKind::kQuestion) << "it comes back";
 }
 
 TEST_F(Questions, CarryTheChecksumOfTheirPageSet) {
