@@ -20,8 +20,9 @@ namespace thimble {
 inline constexpr std::uint64_t kSessionInstance = 1;
 inline constexpr Duration kRepeat = std::chrono::milliseconds{50};
 
-std::vector<std::string> node_arguments(const Folder& folder, const PortBlock& ports,
-                                        const std::string& config, const std::vector<std::string>& more) {
+inline std::vector<std::string> node_arguments(const Folder& folder, const PortBlock& ports,
+                                               const std::string& config,
+                                               const std::vector<std::string>& more) {
     const bool secured = config.find("[security]") != std::string::npos;
     return words_in(
         fmt::format("--base-port {} {} --report {} --die-with-parent={}", ports.base(),
