@@ -46,9 +46,7 @@ struct HandleSettings {
 constexpr bool held_by_person(HandleKind kind) { return kind != HandleKind::kSimulated; }
 
 // It has motors of its own.
-constexpr bool is_real(HandleKind kind) {
-    return kind >= HandleKind::kForceDimension;
-}
+constexpr bool is_real(HandleKind kind) { return kind >= HandleKind::kForceDimension; }
 
 // How long its user may take to make it ready, each time that the master starts: to home a Falcon, to start a ROS 2 driver.
 Duration user_limit(const HandleSettings& settings);

@@ -95,7 +95,7 @@ void run_plugin_apart(const BoardPlan& plan, const BoardPlace& place, BoardRow& 
     row.subject = outcome.subject;
 }
 
-// Why a row has no measures. A session that is refused is one that cannot be, such as wave variables with a codec.
+// Why a row has no measures. A refused session cannot be: wave variables with a codec, for instance.
 std::string reason_of(const std::exception& failure, bool plugin) {
     const auto* const error = dynamic_cast<const Error*>(&failure);
     const bool refused = !plugin && error != nullptr && error->code() == ExitCode::kUsage;
