@@ -10,22 +10,20 @@ target_compile_options(thimble_options INTERFACE -Wall -Wextra -Wpedantic -Wshad
 # read g++'s commands; g++ passes over what it does not know of -Wno-.)
 target_compile_options(thimble_options INTERFACE
     "$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288;-Wno-unused-command-line-argument>")
-# The Python module is a shared library that holds the rooms' libraries. PIC, not PIE, is for all, because objects and precompiled
-# headers have to agree. The compiler may inline as in a program: no other library replaces a function of Thimble.
-if(THIMBLE_PYTHON)
+# The Python module is a shared library that holds the rooms' libraries. PIC, not PIE, is for all, with that module and without:
+# objects and precompiled headers have to agree. The compiler may inline as in a program: no other library replaces a function.
+if(NOT THIMBLE_SANITIZE)
     target_compile_options(thimble_options INTERFACE -fPIC -fno-semantic-interposition)
 endif()
 # The compiler guards return addresses and buffers, and the loader makes its tables read-only: the flags of Debian's packages.
-# Sanitizers see more by themselves. _FORTIFY_SOURCE needs the optimiser. CMake compiles shared libraries with -fPIC.
+# Sanitizers see more by themselves. _FORTIFY_SOURCE needs the optimiser.
 include(CheckCXXCompilerFlag)
 check_cxx_compiler_flag(-fcf-protection THIMBLE_HAS_CF_PROTECTION)
 if(NOT THIMBLE_SANITIZE)
     set(PROGRAM $<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>)
-    set(STATIC $<STREQUAL:$<TARGET_PROPERTY:TYPE>,STATIC_LIBRARY>)
     target_compile_options(thimble_options INTERFACE
         "$<$<CONFIG:Release>:-fstack-protector-strong;-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>"
-        "$<$<AND:$<CONFIG:Release>,$<BOOL:${THIMBLE_HAS_CF_PROTECTION}>>:-fcf-protection>"
-        "$<$<AND:$<CONFIG:Release>,$<NOT:$<BOOL:${THIMBLE_PYTHON}>>,$<NOT:$<BOOL:$<TARGET_PROPERTY:POSITION_INDEPENDENT_CODE>>>,$<OR:${PROGRAM},${STATIC}>>:-fPIE>")
+        "$<$<AND:$<CONFIG:Release>,$<BOOL:${THIMBLE_HAS_CF_PROTECTION}>>:-fcf-protection>")
     target_link_options(thimble_options INTERFACE
         "$<$<CONFIG:Release>:-Wl,-z,relro,-z,now>" "$<$<AND:$<CONFIG:Release>,${PROGRAM}>:-pie>")
 endif()
