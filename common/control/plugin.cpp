@@ -39,8 +39,9 @@ const thimble_controller* table_of(const std::filesystem::path& file) {
     throw Error(ExitCode::kUsage, "plug-in {}: a browser loads none", file.string());
 }
 #else
-// dlopen looks in its own folders for a name without a slash.
 const thimble_controller* table_of(const std::filesystem::path& file) {
+    if (file.extension() == ".py") return python_controller(file);
+    // dlopen looks in its own folders for a name without a slash.
     void* const library = dlopen(std::filesystem::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library == nullptr) throw Error(ExitCode::kUsage, "plug-in {}: {}", file.string(), dlerror());
     const auto symbol = reinterpret_cast<const thimble_controller* (*)()>(dlsym(library, kSymbol));
@@ -81,7 +82,7 @@ PluginSettings load_plugin(const std::filesystem::path& file) {
         throw Error(ExitCode::kUsage, "plug-in {}: there is no such file", file.string());
     PluginSettings plugin;
     plugin.file = file.string();
-    plugin.table = file.extension() == ".py" ? python_controller(file) : table_of(file);
+    plugin.table = table_of(file);
     if (plugin.table == nullptr)
         throw Error(ExitCode::kUsage, "plug-in {}: {}() gives no table", file.string(), kSymbol);
     if (const std::string wrong = wrong_table(*plugin.table); !wrong.empty())
