@@ -1,14 +1,16 @@
 // A real handle that another program reads and drives: positions come as messages and forces go as messages. This half is pure; a
 // subclass brings the messages (ros2_handle.hpp).
 //
-// Positions come from one writer in a trial, the first. A position is refused and counted if it is no number, out of reach, from another writer, or
-// further from the last one than a hand gets meanwhile. Without a good position for kStaleAfter the handle has no force and no sample,
-// so the needle is held; for kLostAfter, its fault ends the trial. The next trial takes the handle wherever it is.
+// Positions come from one writer, until it has been silent for kLostAfter. A second one that sends meanwhile is a fault. A position is refused and
+// counted if it is no number, out of reach, from another writer, or further from the last one than a hand gets meanwhile. Without a good
+// position for kStaleAfter the handle has no force and no sample, so the needle is held; for kLostAfter, its fault ends the trial. The
+// next trial takes the handle wherever it is.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -85,12 +87,11 @@ class RemoteHandle : public Handle {
     virtual std::string driver() const = 0;
 
     void take_position(SessionTime now, std::uint64_t writer, double position_m) {
+        if (came_ && writer != writer_ && now - *came_ <= kLostAfter) return refuse_other();
+        writer_ = writer;
+        came_ = now;
         if (!std::isfinite(position_m) || std::fabs(position_m) > kReach_m) {
             ++not_numbers_;
-            return;
-        }
-        if (placed_ && writer != writer_) {
-            ++other_writers_;
             return;
         }
         const double passed_s = to_seconds(std::min<Duration>(now - heard_, kStaleAfter));
@@ -100,7 +101,6 @@ class RemoteHandle : public Handle {
         }
         ++positions_;
         position_m_ = position_m;
-        writer_ = writer;
         heard_ = now;
         placed_ = true;
     }
@@ -113,11 +113,18 @@ class RemoteHandle : public Handle {
         const bool stale = now - heard_ > kStaleAfter;
         if (stale && !stale_) ++stales_;
         stale_ = stale;
-        if (stale) give(now, 0);
+        if (stale || !fault_.empty()) give(now, 0);
         if (now - heard_ <= kLostAfter || !fault_.empty()) return;
         fault_ = driver() +
                  " has sent no position that can be used for 300 ms: does it run, without jumps, and with "
                  "numbers? The next trial takes the handle where it is.";
+    }
+    // The second program's device obeys the same forces, and the guard counts no energy of it.
+    void refuse_other() {
+        ++other_writers_;
+        if (!fault_.empty()) return;
+        fault_ = "a second program sends positions beside " + driver() +
+                 ": stop one of the two, since both obey the force (ros2 topic info --verbose names them)";
     }
     void give(SessionTime now, double force_hand_N) {
         force_N_ = force_hand_N;
@@ -129,7 +136,8 @@ class RemoteHandle : public Handle {
     bool enabled_ = false, placed_ = false, stale_ = false;
     double position_m_ = 0, force_N_ = 0;
     std::uint64_t writer_ = 0;
-    SessionTime heard_{}, given_{};
+    std::optional<SessionTime> came_;  // the writer's last message, good or not
+    SessionTime heard_{}, given_{};    // the last good position; the last force
     std::string fault_;
     std::uint64_t positions_ = 0, not_numbers_ = 0, jumps_ = 0, other_writers_ = 0, stales_ = 0;
 };

@@ -96,9 +96,26 @@ TEST(RemoteHandle, RefusesAndCountsWhatNoHandDoes) {
     EXPECT_EQ(handle.counted("not_numbers"), 3U);
     EXPECT_EQ(handle.tick({0.03, -0.01}).position_hand_m, 0.01);
     EXPECT_EQ(handle.counted("jumps"), 2U);
-    EXPECT_EQ(handle.tick({0.012}, 2).position_hand_m, 0.01);
-    EXPECT_EQ(handle.counted("other_writers"), 1U);
     EXPECT_EQ(handle.counted("positions"), 1U);
+}
+
+// Its device obeys the force too, and nothing counts the energy that it gets.
+TEST(RemoteHandle, ASecondWriterEndsTheTrialAndNeverReplacesTheFirst) {
+    DrivenHandle handle;
+    handle.begin();
+    handle.tick({0.01});
+    handle.begin();
+    EXPECT_FALSE(handle.tick({0.5}, 2).valid) << "first in this trial, but second to send";
+    EXPECT_THAT(handle.fault(), HasSubstr("a second program sends positions beside the driver: stop one"));
+    EXPECT_EQ(handle.counted("other_writers"), 1U);
+    handle.command_force(handle.now, 3);
+    EXPECT_EQ(handle.told_N, 0);
+    handle.begin();
+    EXPECT_TRUE(handle.tick({0.01}).valid);
+    handle.silence(RemoteHandle::kLostAfter);
+    handle.begin();
+    EXPECT_TRUE(handle.tick({0.5}, 2).valid) << "a driver that was started anew";
+    EXPECT_EQ(handle.fault(), "");
 }
 
 // A hand that came back somewhere else must not pull the needle there at once.
