@@ -44,12 +44,12 @@ class RemoteHandle : public Handle {
     explicit RemoteHandle(double force_limit_N) : force_limit_N_(force_limit_N) {}
 
     void start_trial(SessionTime now, const OperatorTask& /*task*/) override {
-        placed_ = false;
+        placed_ = lost_ = false;
         fault_.clear();
         heard_ = now;
     }
     HandleSample read(SessionTime now) override {
-        listen(now);
+        hear(now);
         look(now);
         return {position_m_, force_N_, placed_ && !stale_ && fault_.empty()};
     }
@@ -63,7 +63,7 @@ class RemoteHandle : public Handle {
     }
     // Between trials the master reads no sample, but the driver on the other side still needs forces.
     bool take_stop(SessionTime now) override {
-        listen(now);
+        hear(now);
         if (now - given_ >= kSignOfLife) give(now, enabled_ ? force_N_ : 0);
         return false;
     }
@@ -79,6 +79,13 @@ class RemoteHandle : public Handle {
     }
 
   protected:
+    // All that has come. A handle that was lost is taken where it then is; in a trial that is too late.
+    void hear(SessionTime now) {
+        listen(now);
+        if (now - heard_ <= kLostAfter) return;
+        lost_ = true;
+        placed_ = false;
+    }
     // Brings what has come: calls take_position(), oldest first.
     virtual void listen(SessionTime now) = 0;
     // To the other program; positive pushes the hand out.
@@ -89,13 +96,15 @@ class RemoteHandle : public Handle {
     void take_position(SessionTime now, std::uint64_t writer, double position_m) {
         if (came_ && writer != writer_ && now - *came_ <= kLostAfter) return refuse_other();
         writer_ = writer;
+        // From any message: refusals must not widen what the next one may do.
+        const Duration passed = std::min<Duration>(came_ ? now - *came_ : kStaleAfter, kStaleAfter);
         came_ = now;
         if (!std::isfinite(position_m) || std::fabs(position_m) > kReach_m) {
             ++not_numbers_;
             return;
         }
-        const double passed_s = to_seconds(std::min<Duration>(now - heard_, kStaleAfter));
-        if (placed_ && std::fabs(position_m - position_m_) > kFastest_m_per_s * passed_s + kNoise_m) {
+        const double allowance_m = kFastest_m_per_s * to_seconds(passed) + kNoise_m;
+        if (placed_ && std::fabs(position_m - position_m_) > allowance_m) {
             ++jumps_;
             return;
         }
@@ -114,7 +123,7 @@ class RemoteHandle : public Handle {
         if (stale && !stale_) ++stales_;
         stale_ = stale;
         if (stale || !fault_.empty()) give(now, 0);
-        if (now - heard_ <= kLostAfter || !fault_.empty()) return;
+        if (!lost_ || !fault_.empty()) return;
         fault_ = driver() +
                  " has sent no position that can be used for 300 ms: does it run, without jumps, and with "
                  "numbers? The next trial takes the handle where it is.";
@@ -133,7 +142,7 @@ class RemoteHandle : public Handle {
     }
 
     double force_limit_N_;
-    bool enabled_ = false, placed_ = false, stale_ = false;
+    bool enabled_ = false, placed_ = false, stale_ = false, lost_ = false;
     double position_m_ = 0, force_N_ = 0;
     std::uint64_t writer_ = 0;
     std::optional<SessionTime> came_;  // the writer's last message, good or not

@@ -31,7 +31,7 @@ std::string Ros2Handle::name() const {
 
 std::string Ros2Handle::awaits() {
     const SessionTime now = wall_now();
-    listen(now);
+    hear(now);
     if (heard_within(now, kRecently)) return {};
     return fmt::format("waiting for positions on {} (PoseStamped, domain {} at {})", kPositions, domain_,
                        interface_);

@@ -127,7 +127,20 @@ TEST(RemoteHandle, AJumpAfterASilenceIsAJump) {
     EXPECT_FALSE(handle.tick({0.15}).valid);
     EXPECT_EQ(handle.counted("jumps"), 1U);
     EXPECT_EQ(handle.counted("stale"), 1U);
-    EXPECT_TRUE(handle.tick({0.05}).valid);
+    EXPECT_TRUE(handle.tick({0.005}).valid);
+}
+
+TEST(RemoteHandle, AJumpThatLastsIsNeverTakenAndEndsTheTrial) {
+    DrivenHandle handle;
+    handle.begin();
+    handle.tick({0.0});
+    for (Duration passed{}; passed < RemoteHandle::kLostAfter + kTick; passed += kTick)
+        EXPECT_EQ(handle.tick({0.05}).position_hand_m, 0);
+    EXPECT_THAT(handle.fault(), HasSubstr("no position that can be used for 300 ms"));
+    handle.now += kTick;
+    EXPECT_FALSE(handle.take_stop(handle.now));
+    handle.begin();
+    EXPECT_EQ(handle.tick({0.05}).position_hand_m, 0.05);
 }
 
 TEST(RemoteHandle, SaysZeroBetweenTrialsAgainAndAgain) {
