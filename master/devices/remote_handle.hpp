@@ -81,6 +81,7 @@ class RemoteHandle : public Handle {
   protected:
     // All that has come. A handle that was lost is taken where it then is; in a trial that is too late.
     void hear(SessionTime now) {
+        if (now != heard_at_) allow(now);
         listen(now);
         if (now - heard_ <= kLostAfter) return;
         lost_ = true;
@@ -96,15 +97,13 @@ class RemoteHandle : public Handle {
     void take_position(SessionTime now, std::uint64_t writer, double position_m) {
         if (came_ && writer != writer_ && now - *came_ <= kLostAfter) return refuse_other();
         writer_ = writer;
-        // From any message: refusals must not widen what the next one may do.
-        const Duration passed = std::min<Duration>(came_ ? now - *came_ : kStaleAfter, kStaleAfter);
         came_ = now;
         if (!std::isfinite(position_m) || std::fabs(position_m) > kReach_m) {
             ++not_numbers_;
             return;
         }
-        const double allowance_m = kFastest_m_per_s * to_seconds(passed) + kNoise_m;
-        if (placed_ && std::fabs(position_m - position_m_) > allowance_m) {
+        if (!placed_) base_m_ = position_m;
+        if (std::fabs(position_m - base_m_) > allowance_m_) {
             ++jumps_;
             return;
         }
@@ -118,6 +117,13 @@ class RemoteHandle : public Handle {
   private:
     static constexpr Duration kSignOfLife = std::chrono::milliseconds{10};
 
+    // For all that comes in this instant, from the writer's last message before it: refusals must not widen it.
+    void allow(SessionTime now) {
+        const Duration passed = came_ ? std::min<Duration>(now - *came_, kStaleAfter) : kStaleAfter;
+        allowance_m_ = kFastest_m_per_s * to_seconds(passed) + kNoise_m;
+        base_m_ = position_m_;
+        heard_at_ = now;
+    }
     void look(SessionTime now) {
         const bool stale = now - heard_ > kStaleAfter;
         if (stale && !stale_) ++stales_;
@@ -144,9 +150,11 @@ class RemoteHandle : public Handle {
     double force_limit_N_;
     bool enabled_ = false, placed_ = false, stale_ = false, lost_ = false;
     double position_m_ = 0, force_N_ = 0;
+    double base_m_ = 0, allowance_m_ = 0;  // a position is within `allowance_m_` of `base_m_`
     std::uint64_t writer_ = 0;
-    std::optional<SessionTime> came_;  // the writer's last message, good or not
-    SessionTime heard_{}, given_{};    // the last good position; the last force
+    std::optional<SessionTime> came_;      // the writer's last message, good or not
+    SessionTime heard_{}, given_{};        // the last good position; the last force
+    std::optional<SessionTime> heard_at_;  // the last hear()
     std::string fault_;
     std::uint64_t positions_ = 0, not_numbers_ = 0, jumps_ = 0, other_writers_ = 0, stales_ = 0;
 };

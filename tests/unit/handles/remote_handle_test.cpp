@@ -118,6 +118,16 @@ TEST(RemoteHandle, ASecondWriterEndsTheTrialAndNeverReplacesTheFirst) {
     EXPECT_EQ(handle.fault(), "");
 }
 
+TEST(RemoteHandle, AllThatComesInOneTickHasTheSameAllowance) {
+    DrivenHandle handle;
+    handle.begin();
+    handle.tick({0.0});
+    handle.silence(4 * kTick);
+    EXPECT_EQ(handle.tick({0.005, 0.01, 0.015, 0.02}).position_hand_m, 0.02);
+    EXPECT_EQ(handle.tick({0.024, 0.027, 0.03}).position_hand_m, 0.024) << "three steps are no way around";
+    EXPECT_EQ(handle.counted("jumps"), 2U);
+}
+
 // A hand that came back somewhere else must not pull the needle there at once.
 TEST(RemoteHandle, AJumpAfterASilenceIsAJump) {
     DrivenHandle handle;
