@@ -20,8 +20,10 @@ using Quality = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
 Quality quality_of(Ros2Quality quality) {
     Quality q(dds_create_qos(), dds_delete_qos);
     const bool latched = quality == Ros2Quality::kLatched;
-    const std::int32_t depth = latched ? 10 : 5;
-    dds_qset_reliability(q.get(), latched ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
+    const bool sensor = quality == Ros2Quality::kSensorData;
+    const std::int32_t depth = latched ? 10 : sensor ? 5 : 100;
+    // A full writer waits for 0 s.
+    dds_qset_reliability(q.get(), sensor ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE, 0);
     dds_qset_durability(q.get(), latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
     dds_qset_history(q.get(), DDS_HISTORY_KEEP_LAST, depth);
     if (latched) {

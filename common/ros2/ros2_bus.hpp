@@ -13,6 +13,7 @@ namespace thimble {
 
 enum class Ros2Quality {
     kSensorData,  // best effort, volatile, keep last 5
+    kTransforms,  // reliable, volatile, keep last 100, as tf2 has it: its reader refuses best effort
     kLatched,     // reliable, transient local, keep last 10: who comes late gets them too
 };
 

@@ -79,7 +79,7 @@ class Ros2Publisher {
         for (const Ros2Topic& t : kForces) add(prefix + t.name, ros2_name(t.type), "sensor data");
         for (const Ros2Topic& t : {ros2::kEvent, kState})
             add(prefix + t.name, ros2_name(t.type), "reliable, transient local");
-        add("/tf", "tf2_msgs/msg/TFMessage", "sensor data");
+        add("/tf", "tf2_msgs/msg/TFMessage", "reliable");
         add("/tf_static", "tf2_msgs/msg/TFMessage", "reliable, transient local");
         add("/clock", "rosgraph_msgs/msg/Clock", "sensor data");
         return text;
@@ -116,7 +116,7 @@ class Ros2Publisher {
     dds_entity_t clock_ = 0;
     std::array<dds_entity_t, 2> places_ = writers(kPlaces, geometry_msgs_msg_dds__PoseStamped__desc);
     std::array<dds_entity_t, 4> forces_ = writers(kForces, geometry_msgs_msg_dds__WrenchStamped__desc);
-    dds_entity_t tf_ = bus_->writer("/tf", tf2_msgs_msg_dds__TFMessage__desc, Ros2Quality::kSensorData);
+    dds_entity_t tf_ = bus_->writer("/tf", tf2_msgs_msg_dds__TFMessage__desc, Ros2Quality::kTransforms);
     dds_entity_t tf_static_ = latched("/tf_static", tf2_msgs_msg_dds__TFMessage__desc);
     dds_entity_t event_ = latched(prefix_ + ros2::kEvent.name, std_msgs_msg_dds__String__desc);
     dds_entity_t state_ = latched(prefix_ + kState.name, std_msgs_msg_dds__String__desc);

@@ -29,6 +29,8 @@ using HeardClock = rosgraph_msgs::msg::dds_::Clock_PubSubType;
 // One that no other test beside this one has.
 inline unsigned own_domain() { return 1 + static_cast<unsigned>(getpid()) % 200; }
 
+enum class Asks { kSensorData, kTransforms, kLatched };
+
 class FastDdsPeer {
   public:
     FastDdsPeer() {
@@ -49,15 +51,15 @@ class FastDdsPeer {
     FastDdsPeer(const FastDdsPeer&) = delete;
     FastDdsPeer& operator=(const FastDdsPeer&) = delete;
 
-    // As `ros2 topic echo` asks for sensor data, or for what is latched.
+    // As `ros2 topic echo` asks for sensor data, or for what is latched; as tf2 asks for transforms.
     template <class Type>
-    dds::DataReader* reader(const std::string& topic, bool latched = false) {
+    dds::DataReader* reader(const std::string& topic, Asks asks = Asks::kSensorData) {
         dds::DataReaderQos quality;
         quality.history().depth = 100;
         quality.reliability().kind =
-            latched ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
+            asks == Asks::kSensorData ? dds::BEST_EFFORT_RELIABILITY_QOS : dds::RELIABLE_RELIABILITY_QOS;
         quality.durability().kind =
-            latched ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
+            asks == Asks::kLatched ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
         return subscriber_->create_datareader(topic_of<Type>(topic), quality);
     }
     template <class Type>

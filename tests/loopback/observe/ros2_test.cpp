@@ -90,7 +90,7 @@ TEST(Ros2, AnotherDdsHearsEachNumber) {
     auto* const tissue = peer.reader<HeardWrench>(slave + "tissue/measured_cf");
     auto* const fixture = peer.reader<HeardWrench>(slave + "fixture/measured_cf");
     auto* const hand = peer.reader<HeardWrench>("/thimble/master/measured_cf");
-    auto* const tf = peer.reader<HeardTransforms>("/tf");
+    auto* const tf = peer.reader<HeardTransforms>("/tf", Asks::kTransforms);
     auto* const clock = peer.reader<HeardClock>("/clock");
 
     const auto pose = heard<HeardPose>(needle, session);
@@ -112,9 +112,9 @@ TEST(Ros2, AnotherDdsHearsEachNumber) {
                 static_cast<double>(std::time(nullptr)), 60);
 
     // These came before their readers.
-    auto* const events = peer.reader<HeardString>("/thimble/session/event", true);
-    auto* const state = peer.reader<HeardString>("/thimble/session/state", true);
-    auto* const tf_static = peer.reader<HeardTransforms>("/tf_static", true);
+    auto* const events = peer.reader<HeardString>("/thimble/session/event", Asks::kLatched);
+    auto* const state = peer.reader<HeardString>("/thimble/session/state", Asks::kLatched);
+    auto* const tf_static = peer.reader<HeardTransforms>("/tf_static", Asks::kLatched);
     EXPECT_EQ(heard<HeardString>(events, session).data(), "trial start 3 CF");
     EXPECT_EQ(heard<HeardString>(events, session).data(), "beep 3");
     EXPECT_TRUE(
@@ -133,8 +133,8 @@ void expect_heard(const SessionFile& session, const std::vector<std::string>& cl
     const auto config = folder.write("session.toml", session.text()).string();
     FastDdsPeer peer;
     auto* const needle = peer.reader<HeardPose>("/thimble/slave_sim/measured_cp");
-    auto* const events = peer.reader<HeardString>("/thimble/session/event", true);
-    auto* const state = peer.reader<HeardString>("/thimble/session/state", true);
+    auto* const events = peer.reader<HeardString>("/thimble/session/event", Asks::kLatched);
+    auto* const state = peer.reader<HeardString>("/thimble/session/state", Asks::kLatched);
     RealRun run(session, clock);
     Ros2Program program(config, run.base_port());
     double deepest_m = 0;
