@@ -30,6 +30,10 @@ void HandleControl::take(const ForceFeedback& feedback, Duration age) {
     end_->receive(feedback_of(feedback, scale_, to_seconds(age)));
 }
 
+void HandleControl::predict(const ForceFeedback& feedback, Duration age) {
+    end_->predict(feedback_of(feedback, scale_, to_seconds(age)));
+}
+
 void HandleControl::forget() { end_->forget(); }
 
 double HandleControl::force_N() {

@@ -35,6 +35,8 @@ class HandleControl {
     void sample(SessionTime now, const HandleSample& handle, double velocity_hand_m_per_s = 0);
     void take(const ForceFeedback& feedback, Duration age = {});
     void take(const WaveBurst& waves);
+    // Between two forces: the next force_N() is computed from this one, which the network did not bring.
+    void predict(const ForceFeedback& feedback, Duration age);
     // After a long silence, or while the needle is held: no wanted force and no known fixture. Waves that do not come are
     // zeros by themselves, which brakes the hand.
     void forget();

@@ -94,7 +94,7 @@ NeedleCommand MasterNode::sample(SessionTime now, const HandleSample& handle) {
 }
 
 std::optional<double> MasterNode::force_at_sample_N(SessionTime now) {
-    if (fill_.predicts() && control_.active()) control_.take(fill_.at(now), newest_age_);
+    if (fill_.predicts() && control_.present()) control_.predict(fill_.at(now), newest_age_ + (now - heard_));
     if (control_.active()) return share(now) * control_.force_N();
     if (!fill_.predicts()) return std::nullopt;
     asked_force_N_ = handle_force_N(fill_.at(now));

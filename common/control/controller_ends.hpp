@@ -63,6 +63,8 @@ class HandleEnd final : public ControllerEnd {
                      double force_hand_N);
     void receive(const thimble_feedback& feedback);
     void receive(const WaveBurst& packet);
+    // For force_N() alone: a controller learns from received forces only.
+    void predict(const thimble_feedback& feedback) { newest_ = feedback; }
     void forget();
     double force_N();  // 0 for what is no number
 

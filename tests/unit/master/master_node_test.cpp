@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/control/built_in_controllers.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
@@ -56,6 +57,45 @@ TEST_F(MasterInTrial, AfterAPauseItsForceIsGoneUntilTheNextOne) {
     node.begin_tick(milliseconds{1});
     EXPECT_EQ(node.fade(after(162)), std::nullopt);
     EXPECT_EQ(take(162, 112), 4);
+}
+
+// Its force says how many forces it received, and which it was given last.
+class CountingEnd {
+  public:
+    explicit CountingEnd(const thimble_controller_settings& /*settings*/) {}
+    void start(double /*delay_s*/) {}
+    void sample(const thimble_handle& /*handle*/, thimble_packet& /*out*/) {}
+    void receive(const thimble_feedback& /*feedback*/) { ++received_; }
+    void forget() {}
+    double force_N(const thimble_feedback& newest) const {
+        return received_ + newest.force_total_hand_N + newest.age_s;
+    }
+
+  private:
+    int received_ = 0;
+};
+
+TEST(MasterNode, APredictedForceReachesEachControllerAndIsNotReceived) {
+    for (const std::uint32_t capabilities : {0U, std::uint32_t{THIMBLE_AT_ONCE}}) {
+        thimble_controller table = with_memory<CountingEnd>(with_handle<CountingEnd>({}));
+        table.capabilities = capabilities;
+        MasterSettings settings;
+        settings.codec.force = HapticCodec::kDeadbandLinear;
+        settings.control.compensator = Compensator::kPlugin;
+        settings.control.plugin.table = &table;
+        MasterNode node(settings);
+        const SessionTime begin = at(std::chrono::seconds{1});
+        node.start_trial(begin, Modality::kHF, milliseconds{50});
+        for (const int made_ms : {0, 10}) {
+            ForceFeedback feedback;
+            feedback.echo_time = begin + milliseconds{made_ms};
+            feedback.force_total_N = -1 - 0.01 * made_ms;
+            node.take(feedback.echo_time + milliseconds{40}, feedback);
+        }
+        for (const int since_ms : {1, 5})
+            EXPECT_NEAR(node.force_at_sample_N(begin + milliseconds{50 + since_ms}).value(),
+                        2 + 1.1 + 0.01 * since_ms + 0.04 + 1e-3 * since_ms, 1e-12);
+    }
 }
 
 TEST_F(MasterInTrial, SamplesThatWereMissedAreSkipped) {
