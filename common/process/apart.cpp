@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
+#include <mutex>
 #include <optional>
 #include <poll.h>
 #include <string_view>
@@ -16,6 +17,8 @@
 
 #include <fmt/format.h>
 
+#include "common/codec.hpp"
+#include "common/control/built_in_controllers.hpp"
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
@@ -53,12 +56,29 @@ std::string answer_of(const std::function<std::string()>& work) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (words >= 0) dup2(words, STDERR_FILENO);
     // A foreign exit() within `work` gives no answer.
-    _exit(write_all(answer, answer_of(work)) ? 0 : 1);
+    const std::string bytes = answer_of(work);
+    _exit(write_all(answer, bytes_of(bytes.size()) + bytes) ? 0 : 1);
 }
 
-// Until its end, or the time limit: false.
+// The answer begins with its length: another thread's child may hold the pipe open.
+bool is_whole(std::string_view bytes) {
+    return bytes.size() >= sizeof(std::size_t) &&
+           bytes.size() - sizeof(std::size_t) >= take_plain<std::size_t>(bytes);
+}
+
+// A child of fork would wait for ever for a static that another thread was making.
+void make_statics() {
+    const Encoder encoder;
+    for (std::size_t i = 0; i < kBuiltInCompensators.size(); ++i) {
+        ControlSettings control;
+        control.compensator = static_cast<Compensator>(i);
+        controller_of(control);
+    }
+}
+
+// Until the answer is whole or the pipe ends, or the time limit: false.
 bool read_until(int from, SessionTime end, std::string& bytes) {
-    for (std::array<char, 65536> block{};;) {
+    for (std::array<char, 65536> block{}; !is_whole(bytes);) {
         const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - wall_now());
         if (left.count() <= 0) return false;
         pollfd ready{from, POLLIN, 0};
@@ -68,6 +88,7 @@ bool read_until(int from, SessionTime end, std::string& bytes) {
         if (got <= 0) return true;
         bytes.append(block.data(), static_cast<std::size_t>(got));
     }
+    return true;
 }
 
 // The last one, or the one about a plug-in: a sanitizer's report may follow that.
@@ -100,6 +121,10 @@ int wait_for(pid_t child) {
 }  // namespace
 
 ApartResult run_apart(const std::function<std::string()>& work, Duration limit) {
+    static std::mutex forks;
+    std::unique_lock alone(forks);  // or another thread's child would keep this pipe's end
+    static const bool ready = (make_statics(), true);
+    static_cast<void>(ready);
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC) != 0) throw Error(ExitCode::kRunFailed, "no pipe for a child process");
     const FileDescriptor answer(ends[0]), words(memfd_create("words", MFD_CLOEXEC));
@@ -107,8 +132,12 @@ ApartResult run_apart(const std::function<std::string()>& work, Duration limit) 
     std::fflush(nullptr);  // or the child would write it as well
     const pid_t child = fork();
     if (child < 0) throw Error(ExitCode::kRunFailed, "no child process: {}", std::strerror(errno));
-    if (child == 0) be_the_child(work, to_parent->get(), words.get());
+    if (child == 0) {
+        alone.unlock();
+        be_the_child(work, to_parent->get(), words.get());
+    }
     to_parent.reset();
+    alone.unlock();
     std::string bytes;
     const bool ended = read_until(answer.get(), wall_now() + limit, bytes);
     if (!ended) {
@@ -117,8 +146,11 @@ ApartResult run_apart(const std::function<std::string()>& work, Duration limit) 
         kill(child, SIGKILL);
     }
     const int status = wait_for(child);
-    if (ended && !bytes.empty() && bytes.front() == kGood && status == 0) return {bytes.substr(1), {}};
-    if (ended && !bytes.empty() && bytes.front() == kBad) return {std::nullopt, bytes.substr(1)};
+    if (ended && is_whole(bytes)) {
+        const std::string_view given = std::string_view(bytes).substr(sizeof(std::size_t));
+        if (given.front() == kBad) return {std::nullopt, std::string(given.substr(1))};
+        if (status == 0) return {std::string(given.substr(1)), {}};
+    }
     const std::string said = last_line(words.get());
     const std::string how =
         ended ? end_text(status) : fmt::format("it took longer than {} s", to_seconds(limit));

@@ -1,5 +1,8 @@
 // A plug-in in sessions of virtual time: it acts, and one that fails costs its own trial.
+#include <atomic>
 #include <cstdlib>
+#include <thread>
+#include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -77,6 +80,23 @@ TEST(Apart, BringsWhatTheWorkGivesOrWhyItFailed) {
     const ApartResult thrown =
         run_apart([]() -> std::string { throw Error(ExitCode::kData, "no such row"); });
     EXPECT_EQ(thrown.failure, "no such row");
+}
+
+// A child that another thread makes at the same time must not keep this one's answer waiting.
+TEST(Apart, OneThatHangsCostsNoOtherItsAnswer) {
+    std::atomic<bool> over = false;
+    std::thread other([&] {
+        while (!over)
+            run_apart(
+                []() -> std::string {
+                    for (;;) pause();
+                },
+                std::chrono::milliseconds{20});
+    });
+    for (int i = 0; i < 40; ++i)
+        EXPECT_EQ(run_apart([] { return std::string("good"); }, std::chrono::seconds{20}).bytes, "good");
+    over = true;
+    other.join();
 }
 
 // This test itself is the command: it starts again inside, and leaves there a file that the outer one finds.
