@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <list>
 #include <mutex>
@@ -9,6 +10,7 @@
 #include <spawn.h>
 #include <string>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
@@ -30,6 +32,28 @@ struct Record {
     std::array<double, 13> numbers;
 };
 static_assert(sizeof(Record) == 112);
+constexpr int kMostSecondsToDescribe = 10, kMostMillisecondsToEnd = 1000;
+constexpr std::size_t kMostDescription = 65536;
+
+// Blocks the terminal's signals in the program that is started: Thimble ends it.
+class SpawnAttributes {
+  public:
+    SpawnAttributes() {
+        sigset_t blocked;
+        pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
+        for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&blocked, number);
+        posix_spawnattr_init(&attributes_);
+        posix_spawnattr_setsigmask(&attributes_, &blocked);
+        posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK);
+    }
+    ~SpawnAttributes() { posix_spawnattr_destroy(&attributes_); }
+    SpawnAttributes(const SpawnAttributes&) = delete;
+    SpawnAttributes& operator=(const SpawnAttributes&) = delete;
+    const posix_spawnattr_t* get() const { return &attributes_; }
+
+  private:
+    posix_spawnattr_t attributes_{};
+};
 
 // Its standard input and output are this end's socket.
 class PythonChild {
@@ -47,7 +71,9 @@ class PythonChild {
         std::array<std::string, 5> words{"python3", "-B", "-u", file, option};
         std::array<char*, 6> arguments{};
         for (std::size_t i = 0; i < words.size(); ++i) arguments.at(i) = words.at(i).data();
-        const int failed = posix_spawnp(&pid_, "python3", &files, nullptr, arguments.data(), environ);
+        const SpawnAttributes attributes;
+        const int failed =
+            posix_spawnp(&pid_, "python3", &files, attributes.get(), arguments.data(), environ);
         posix_spawn_file_actions_destroy(&files);
         if (failed != 0)
             throw Error(ExitCode::kUsage, "plug-in {}: python3 cannot be started: {}", file,
@@ -55,7 +81,13 @@ class PythonChild {
     }
     ~PythonChild() {
         ours_.reset();  // the child reads the end of its input
-        while (pid_ > 0 && waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+        if (pid_ <= 0) return;
+        for (int i = 0; i < kMostMillisecondsToEnd; ++i) {
+            if (waitpid(pid_, nullptr, WNOHANG) != 0) return;
+            usleep(1000);
+        }
+        kill(pid_, SIGKILL);
+        while (waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
         }
     }
     PythonChild(const PythonChild&) = delete;
@@ -69,12 +101,17 @@ class PythonChild {
         if (recv(ours_->get(), &answer, sizeof answer, MSG_WAITALL) != ssize_t{sizeof answer}) fail();
         return answer;
     }
-    std::string take_all() const {
-        std::string all;
+    // Until its end. False: it took too long, or said too much.
+    bool take_all(std::string& all) const {
+        const timeval limit{kMostSecondsToDescribe, 0};
+        setsockopt(ours_->get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
         std::array<char, 4096> block{};
-        for (ssize_t got = 0; (got = recv(ours_->get(), block.data(), block.size(), 0)) > 0;)
+        ssize_t got = 0;
+        while ((got = recv(ours_->get(), block.data(), block.size(), 0)) > 0) {
             all.append(block.data(), static_cast<std::size_t>(got));
-        return all;
+            if (all.size() > kMostDescription) return false;
+        }
+        return got == 0;
     }
 
   private:
@@ -172,7 +209,13 @@ const thimble_controller* python_controller(const std::filesystem::path& file) {
     static std::list<PythonTable> known;  // a plug-in stays loaded until the program ends
     PythonTable python;
     python.file = file.string();
-    describe(PythonChild(python.file, "--describe").take_all(), python);
+    std::string text;
+    if (!PythonChild(python.file, "--describe").take_all(text))
+        throw Error(ExitCode::kUsage,
+                    "plug-in {}: it does not describe itself within {} s: call serve() first "
+                    "(examples/controller)",
+                    python.file, kMostSecondsToDescribe);
+    describe(text, python);
     const std::lock_guard lock(mutex);
     PythonTable& kept = known.emplace_back(std::move(python));
     fill_in(kept);

@@ -54,6 +54,7 @@ std::string answer_of(const std::function<std::string()>& work) {
 // No destructor and no handler of the parent runs here.
 [[noreturn]] void be_the_child(const std::function<std::string()>& work, int answer, int words) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    setpgid(0, 0);  // with all that it starts
     if (words >= 0) dup2(words, STDERR_FILENO);
     // A foreign exit() within `work` gives no answer.
     const std::string bytes = answer_of(work);
@@ -111,7 +112,12 @@ std::string end_text(int status) {
     return fmt::format("it ended the program with exit code {}", WEXITSTATUS(status));
 }
 
+// Ends what the child started as well. Until it is waited for, its number is its group's.
 int wait_for(pid_t child) {
+    siginfo_t ended{};
+    while (waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
+    }
+    kill(-child, SIGKILL);
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
     }

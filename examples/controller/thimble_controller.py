@@ -2,6 +2,7 @@
 
 Thimble starts the file and writes records to its standard input, 112 bytes each: a call's number and 13 numbers. create and force are
 answered by one number. All units are SI, in the hand's frame, as in thimble/controller.h."""
+import signal
 import struct
 import sys
 import traceback
@@ -85,6 +86,7 @@ def call(controller, kind, numbers):
 
 
 def serve(kind):
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for Thimble, which then ends this program
     if sys.argv[1:] == ['--describe']:
         print(kind.NAME or kind.__name__)
         for name, (default, least, most, text) in kind.KEYS.items():

@@ -65,6 +65,7 @@ struct BoardRow {
 };
 
 // One trial over the network of the settings. `subject` is one of the study of this seed. Once a sample is in, `each_sample` is called.
+// Throws Error (run failed) if a plug-in gave values that are no numbers.
 BoardTrial run_board_trial(const SystemSettings& settings, std::uint64_t seed, std::uint32_t subject,
                            const std::function<void()>& each_sample = {});
 // Means with intervals: Wilson's for shares, else the bootstrap's percentiles, drawn from the seed.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/error.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "session/virtual/wire_use.hpp"
@@ -63,6 +64,8 @@ BoardTrial run_board_trial(const SystemSettings& settings, std::uint64_t seed, s
         if (each_sample) each_sample();
     });
     const TrialRecord& record = session.run(conditions);
+    if (const std::string text = plugin_text(session); !text.empty())
+        throw Error(ExitCode::kRunFailed, "subject {}: {}", subject, text);
     const TrialMetrics metrics = measure(record);
     BoardTrial trial;
     trial.completed = record.reason == EndReason::kCompleted && metrics.beeped;

@@ -59,7 +59,8 @@ ControlSettings control_over(const CompensatorNetwork& network, ControlSettings 
     return control;
 }
 
-Outcome outcome_of(const SystemSettings& settings, const TrialConditions& conditions) {
+// `words`: of a plug-in's values that are no numbers.
+Outcome outcome_of(const SystemSettings& settings, const TrialConditions& conditions, std::string& words) {
     VirtualSession session(settings);
     std::vector<HandSample> samples;
     session.session().set_sample_hook([&](const TrajectorySample& sample) {
@@ -71,17 +72,25 @@ Outcome outcome_of(const SystemSettings& settings, const TrialConditions& condit
     outcome.metrics = measure(record);
     outcome.completed = record.reason == EndReason::kCompleted && outcome.metrics.beeped;
     measure_hand(samples, record, settings, outcome);
-    if (const std::string text = plugin_text(session); !text.empty())
-        spdlog::warn("trial {}: {}", conditions.trial, text);
+    words = plugin_text(session);
     return outcome;
 }
 
 // A plug-in that fails costs this trial, which then did not complete.
 Outcome plugin_outcome(const SystemSettings& settings, const TrialConditions& conditions) {
-    const ApartResult apart = run_apart([&] { return bytes_of(outcome_of(settings, conditions)); });
-    if (!apart.bytes) spdlog::error("trial {}: {}", conditions.trial, apart.failure);
-    std::string_view bytes = apart.bytes ? std::string_view(*apart.bytes) : std::string_view();
-    return apart.bytes ? take_plain<Outcome>(bytes) : Outcome{};
+    const ApartResult apart = run_apart([&] {
+        std::string words;
+        const Outcome outcome = outcome_of(settings, conditions, words);
+        return bytes_of(outcome) + words;
+    });
+    if (!apart.bytes) {
+        spdlog::error("trial {}: {}", conditions.trial, apart.failure);
+        return {};
+    }
+    std::string_view bytes = *apart.bytes;
+    const auto outcome = take_plain<Outcome>(bytes);
+    if (!bytes.empty()) spdlog::warn("trial {}: {}", conditions.trial, bytes);
+    return outcome;
 }
 
 void run_trial(const SystemSettings& settings, const CompensatorCondition& condition,
@@ -90,8 +99,9 @@ void run_trial(const SystemSettings& settings, const CompensatorCondition& condi
     control.share = trial.share;
     const SystemSettings with = with_control(over_network(settings, trial.network), control);
     const bool plugin = control.compensator == Compensator::kPlugin;
+    std::string none;
     const Outcome outcome =
-        plugin ? plugin_outcome(with, trial.conditions) : outcome_of(with, trial.conditions);
+        plugin ? plugin_outcome(with, trial.conditions) : outcome_of(with, trial.conditions, none);
     trial.metrics = outcome.metrics;
     trial.completed = outcome.completed;
     trial.rendered_stiffness = outcome.rendered_stiffness;

@@ -1,15 +1,20 @@
 // A plug-in in sessions of virtual time: it acts, and one that fails costs its own trial.
+#include <array>
 #include <atomic>
 #include <cstdlib>
+#include <poll.h>
 #include <thread>
 #include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
 
+#include "common/control/controller_ends.hpp"
 #include "common/process/apart.hpp"
 #include "common/process/sandbox.hpp"
 #include "session/virtual/virtual_session.hpp"
+#include "study/board/board_row.hpp"
 #include "study/compensators/compensator_study.hpp"
 #include "study/with_compensator.hpp"
 #include "tests/refusal.hpp"
@@ -43,6 +48,50 @@ TEST(PluginSession, OneThatFailsCostsItsOwnTrial) {
     EXPECT_THAT(trial_with(bad(Fault::kLeave)).fault, HasSubstr("exit code 0"));
     EXPECT_THAT(trial_with(bad(Fault::kRefuse)).fault, HasSubstr("create()"));
     EXPECT_EQ(trial_with(control_of("mine")).reason, EndReason::kCompleted);
+}
+
+// The session goes on with 0 N, but the user hears of it.
+TEST(PluginSession, OneThatGivesNoNumbersIsSaid) {
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    trial_with(bad(Fault::kNotANumber));
+    spdlog::default_logger()->flush();
+    const std::string said = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
+    EXPECT_THAT(said, HasSubstr("bad.so gave"));
+    EXPECT_THAT(said, HasSubstr("that are no numbers"));
+    EXPECT_THROW(run_board_trial(with_control(paper(), bad(Fault::kNotANumber)), 1, 1), Error);
+}
+
+TEST(PluginSession, CtrlCDoesNotReachAPythonController) {
+    const TemporaryDirectory folder;
+    std::filesystem::copy(
+        std::filesystem::path(THIMBLE_SOURCE_DIR) / "examples/controller/thimble_controller.py",
+        folder / "thimble_controller.py");
+    write_text(folder / "stopped.py",
+               "import os, signal\nfrom thimble_controller import Controller, serve\n"
+               "class Stopped(Controller):\n    def force(self, newest):\n"
+               "        os.kill(os.getpid(), signal.SIGINT)\n        return 0\n"
+               "if __name__ == '__main__':\n    serve(Stopped)\n");
+    ControlSettings control;
+    control.compensator = Compensator::kPlugin;
+    control.plugin = load_plugin(folder / "stopped.py");
+    HandleEnd end(control, {});
+    end.start({});
+    EXPECT_EQ(end.force_N(), 0);
+    EXPECT_EQ(end.force_N(), 0);
+}
+
+TEST(PluginSession, APythonControllerThatHangsIsEnded) {
+    const TemporaryDirectory folder;
+    write_text(folder / "hangs.py",
+               "import sys, time\n"
+               "if sys.argv[1] == '--describe':\n    print('hangs')\n    sys.exit()\n"
+               "sys.stdin.buffer.read(112)\nsys.stdout.buffer.write(bytes(8))\nsys.stdout.flush()\n"
+               "time.sleep(600)\n");
+    ControlSettings control;
+    control.compensator = Compensator::kPlugin;
+    control.plugin = load_plugin(folder / "hangs.py");
+    { const HandleEnd end(control, {}); }  // comes back
 }
 
 TEST(PluginSession, OneThatDoesNotComeBackIsEndedAndNamed) {
@@ -80,6 +129,25 @@ TEST(Apart, BringsWhatTheWorkGivesOrWhyItFailed) {
     const ApartResult thrown =
         run_apart([]() -> std::string { throw Error(ExitCode::kData, "no such row"); });
     EXPECT_EQ(thrown.failure, "no such row");
+}
+
+// A program that the work has started ends with it.
+TEST(Apart, OneThatIsEndedTakesAlongWhatItStarted) {
+    std::array<int, 2> ends{};
+    ASSERT_EQ(pipe(ends.data()), 0);
+    run_apart(
+        []() -> std::string {
+            if (fork() >= 0)
+                for (;;) pause();
+            return {};
+        },
+        std::chrono::milliseconds{50});
+    close(ends[1]);
+    char byte = 0;
+    pollfd ready{ends[0], POLLIN, 0};
+    EXPECT_EQ(poll(&ready, 1, 10'000), 1) << "somebody holds the pipe's other end";
+    EXPECT_EQ(::read(ends[0], &byte, 1), 0);
+    close(ends[0]);
 }
 
 // A child that another thread makes at the same time must not keep this one's answer waiting.
