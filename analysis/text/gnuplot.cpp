@@ -18,6 +18,11 @@ namespace {
 
 constexpr const char* kRemedy = "install gnuplot (Debian: gnuplot-nox) to get the figures";
 
+bool& draws_nothing() {
+    static bool nothing = false;
+    return nothing;
+}
+
 // Behind every script: the same again as PDF, a vector format that print shops and LaTeX take.
 std::string once_more_as_pdf(const std::string& name) {
     return fmt::format(R"(unset output
@@ -84,8 +89,11 @@ std::string range_text(std::size_t low, std::size_t high) {
     return low == high ? fmt::format("{}", low) : fmt::format("{}-{}", low, high);
 }
 
+void draw_nothing() { draws_nothing() = true; }
+
 std::optional<std::string> draw_with_gnuplot(const std::filesystem::path& directory,
                                              const std::vector<FigureSource>& figures) {
+    if (draws_nothing()) throw Error(ExitCode::kRunFailed, "this process draws no figures");
     std::error_code failure;
     std::filesystem::create_directories(directory, failure);  // what went wrong shows when writing
     std::vector<std::string> arguments{"-d"};

@@ -43,6 +43,8 @@ struct FigureSource {
 // written, or says what to install if gnuplot cannot be started.
 std::optional<std::string> draw_with_gnuplot(const std::filesystem::path& directory,
                                              const std::vector<FigureSource>& figures);
+// From here on draw_with_gnuplot throws Error (run failed), as where gnuplot is missing: for a process that only calculates.
+void draw_nothing();
 // The <svg> element of NAME.svg, its ids prefixed with the name so that several can stand in one page; nothing if it is
 // not there to its end.
 std::optional<std::string> drawn_svg(const std::filesystem::path& directory, const std::string& name);
