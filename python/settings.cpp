@@ -26,10 +26,15 @@ std::string quoted(const std::string& text) {
 std::string toml_value(const py::handle& value);
 
 std::string toml_number(const py::handle& value) {
-    if (PyIndex_Check(value.ptr()) != 0)
-        return fmt::format(
-            "{}", py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr())).cast<std::int64_t>());
-    return fmt::format("{}", py::float_(py::reinterpret_borrow<py::object>(value)).cast<double>());
+    try {
+        if (PyIndex_Check(value.ptr()) != 0)
+            return fmt::format(
+                "{}", py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr())).cast<std::int64_t>());
+        return fmt::format("{}", py::float_(py::reinterpret_borrow<py::object>(value)).cast<double>());
+    } catch (const py::cast_error&) {
+        throw Error(ExitCode::kUsage, "{}: is no whole number of 64 bits, which is the most that a key takes",
+                    py::repr(value).cast<std::string>());
+    }
 }
 
 std::string toml_list(const py::handle& list) {

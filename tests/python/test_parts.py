@@ -49,6 +49,7 @@ def test_every_kind_of_link_comes_to_an_end(profile):
 
 
 @pytest.mark.parametrize("keys, words", [({"delay": 1}, "did you mean 'delay_s'"), ({"loss": 2}, "loss"), ({"loss": None}, "is no number"),
+                                         ({"delay_s": 2**70}, f"{2**70}: is no whole number of 64 bits"),
                                          ({"way": "left"}, "must be"), ({"profile": 'no "such'}, "no")])
 def test_wrong_settings_are_refused_by_name(keys, words):
     with pytest.raises(thimble.UsageError, match=words) as refused:
