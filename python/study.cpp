@@ -46,7 +46,14 @@ std::string header() {
     return line + '\n';
 }
 
+// As --jobs.
+void require_jobs(unsigned jobs) {
+    constexpr unsigned kMost = 1024;
+    if (jobs > kMost) throw Error(ExitCode::kUsage, "jobs {}: has to be 0 (one per core) to {}", jobs, kMost);
+}
+
 std::string table_of(const Design& design, unsigned jobs) {
+    require_jobs(jobs);
     fmt::memory_buffer table;
     std::atomic<bool> stop = false;
     const std::vector<TrialConditions> trials = all_trials(design.protocols);
@@ -61,6 +68,7 @@ std::string table_of(const Design& design, unsigned jobs) {
 
 std::string write_folder(const Design& design, const py::object& out, unsigned jobs, bool control,
                          bool trajectories, bool overwrite) {
+    require_jobs(jobs);
     StudyOptions options;
     options.protocols = design.protocols;
     options.out = py::str(out).cast<std::string>();

@@ -10,6 +10,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -29,7 +30,7 @@ class OrderedWorkers {
     OrderedWorkers(std::size_t count, unsigned threads, std::function<Result(std::size_t)> work,
                    const std::atomic<bool>* stop = nullptr)
         : count_(count), work_(std::move(work)), stop_(stop), slots_(2 * std::size_t{std::max(1U, threads)}) {
-        for (unsigned i = 0; i < std::max(1U, threads); ++i) threads_.emplace_back([this] { run(); });
+        start(std::max(1U, threads));
     }
     ~OrderedWorkers() {
         {
@@ -57,6 +58,16 @@ class OrderedWorkers {
     }
 
   private:
+    // Where the system gives no more threads, fewer do the same work.
+    void start(unsigned threads) {
+        threads_.reserve(threads);
+        try {
+            while (threads_.size() < threads) threads_.emplace_back([this] { run(); });
+        } catch (const std::system_error&) {
+            if (threads_.empty()) throw;
+        }
+    }
+
     bool stopping() const { return cancelled_ || (stop_ != nullptr && *stop_); }
 
     void run() {

@@ -57,6 +57,11 @@ def test_wrong_settings_are_refused_by_name(keys, words):
     assert refused.value.exit_code == 2 and isinstance(refused.value, ValueError)
 
 
+def test_more_threads_than_the_command_line_takes_are_refused():
+    with pytest.raises(thimble.UsageError, match="jobs 100000: has to be 0"):
+        thimble.study(jobs=100000)
+
+
 def test_a_needle_meets_skin_and_fixture():
     scene = thimble.Scene("paper.toml")
     time_s = numpy.arange(0, 13, 1e-3)

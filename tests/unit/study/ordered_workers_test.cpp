@@ -1,6 +1,8 @@
 // The pool behind studies: order, exceptions, a stop.
 #include <array>
+#include <pthread.h>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -41,6 +43,24 @@ TEST(OrderedWorkers, AStopEndsTheItemsThatHaveNotBegun) {
     std::size_t taken = 0;
     while (const auto result = workers.take()) EXPECT_EQ(*result, taken++);
     EXPECT_EQ(taken, 6U);
+}
+
+// Item 0 takes away the room for stacks, so that hardly a thread after the first can start.
+TEST(OrderedWorkers, FewerThreadsThanAskedForDoTheWork) {
+    pthread_attr_t before, without_room;
+    pthread_getattr_default_np(&before);
+    pthread_attr_init(&without_room);
+    pthread_attr_setstacksize(&without_room, std::size_t{1} << 46);
+    {
+        OrderedWorkers<std::size_t> workers(100, 500, [&](std::size_t i) {
+            if (i == 0) pthread_setattr_default_np(&without_room);
+            return i;
+        });
+        for (std::size_t i = 0; i < 100; ++i) ASSERT_EQ(workers.take(), i);
+        EXPECT_THROW(OrderedWorkers<int>(1, 1, [](std::size_t) { return 0; }), std::system_error);
+    }
+    pthread_setattr_default_np(&before);
+    pthread_attr_destroy(&without_room);
 }
 
 TEST(OrderedWorkers, APoolWithoutATakerEnds) {
