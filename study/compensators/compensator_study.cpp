@@ -247,7 +247,7 @@ bool run_compensator_trials(const SystemSettings& settings, const CompensatorStu
     const auto outcome = [&](std::size_t i) {
         CompensatorTrial trial = trials[i];
         run_trial(settings, conditions[trial.condition], trial);
-        return static_cast<CompensatorOutcome>(trial);
+        return static_cast<const CompensatorOutcome&>(trial);  // what comes back from a rank
     };
     std::size_t done = 0;
     return run_in_order<CompensatorOutcome>(trials.size(), options.jobs, options.stop, outcome,
