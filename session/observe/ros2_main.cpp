@@ -1,5 +1,6 @@
 // thimble-ros2: a session as ROS 2 topics, by DDS. Looks only.
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,8 @@ constexpr Ros2Topic kState{"/session/state", Ros2Type::kString, {}};
 
 struct Ros2Options {
     std::string config, interface = "127.0.0.1", prefix = "/thimble", seat = "experimenter";
-    int base_port = 0, domain = 0;
+    int base_port = 0;
+    std::optional<int> domain;  // none: of ROS_DOMAIN_ID
     bool no_clock = false;
 };
 
@@ -194,13 +196,13 @@ int observe(const Ros2Options& options) {
     Channel& monitor = options.seat == "player"
                            ? *sockets.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)
                            : *sockets.between(Port::kExperimenterMonitor, Port::kSessionOrders);
-    Ros2Bus bus(static_cast<unsigned>(options.domain), options.interface);
+    const unsigned domain = options.domain ? static_cast<unsigned>(*options.domain) : ros2_domain();
+    Ros2Bus bus(domain, options.interface);
     Ros2Publisher out(bus, options);
     const ClockPair clocks = read_clock_pair();
     Ros2Observer process(sockets, monitor, out, Duration{clocks.realtime_ns - to_nanoseconds(clocks.before)});
     RealtimeLoop loop(std::span<Listener* const>(sockets.listeners()));
-    spdlog::info("ready: ROS 2 topics {}/... in domain {} at {}", options.prefix, options.domain,
-                 options.interface);
+    spdlog::info("ready: ROS 2 topics {}/... in domain {} at {}", options.prefix, domain, options.interface);
     loop.run(process);
     if (bus.unsent() > 0) spdlog::warn("{} messages were not sent, because DDS was full", bus.unsent());
     return static_cast<int>(ExitCode::kOk);
@@ -215,7 +217,6 @@ int main(int argc, char** argv) {
             "installation. Looks only, and takes no orders.",
             "thimble-ros2");
         Ros2Options options;
-        options.domain = static_cast<int>(ros2_domain());
         add_ros2_options(app, options);
         if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
         return observe(options);

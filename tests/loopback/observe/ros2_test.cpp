@@ -174,8 +174,13 @@ TEST(Ros2, AnotherDdsHearsASessionInLockStep) {
     expect_heard(session, {"--monitor", "--clock", "lock-step"});
 }
 
-TEST(Ros2, HelpNamesTopicsAndTypes) {
+TEST(Ros2, HelpNamesTopicsAndTypesEvenWithABadDomain) {
+    setenv("ROS_DOMAIN_ID", "kitchen", 1);
     const Outcome help = run_to_end(built_programs() / "thimble-ros2", {"--help"});
+    const Outcome refused = run_to_end(built_programs() / "thimble-ros2", {});
+    unsetenv("ROS_DOMAIN_ID");
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_THAT(refused.words, HasSubstr("ROS_DOMAIN_ID is 'kitchen'"));
     EXPECT_EQ(help.code, 0);
     for (const char* said :
          {"/thimble/slave_sim/measured_cf", "geometry_msgs/msg/WrenchStamped", "/clock", "/tf_static"})
