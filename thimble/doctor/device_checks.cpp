@@ -101,7 +101,7 @@ Diagnosis check_device_software(const Facts& facts) {
     if (!problem.empty())
         return finding.is(Severity::kFault, problem,
                           handle == "falcon" ? "sha256sum FIRMWARE"
-                          : handle == "ros2" ? "sudo apt-get install thimble-ros2"
+                          : handle == "ros2" ? "sudo apt-get install ./out/package/thimble-ros2_*.deb"
                                              : "export FDSDK=/path/to/the/sdk");
     return finding.is(Severity::kOk, "the handle of this session needs no SDK and no firmware, or has it");
 }
