@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "common/error.hpp"
 #include "common/ros2/ros2_values.hpp"
 #include "common/runtime/wall_clock.hpp"
 
@@ -21,7 +22,8 @@ Ros2Handle::Ros2Handle(const Ros2HandleSettings& settings, double force_limit_N)
       interface_(settings.interface),
       bus_(domain_, interface_),
       positions_(bus_.reader(kPositions, geometry_msgs_msg_dds__PoseStamped__desc, Ros2Quality::kSensorData)),
-      forces_(bus_.writer(kForces, geometry_msgs_msg_dds__WrenchStamped__desc, Ros2Quality::kSensorData)) {}
+      forces_(bus_.writer(kForces, geometry_msgs_msg_dds__WrenchStamped__desc, Ros2Quality::kSensorData)),
+      others_(bus_.reader(kForces, geometry_msgs_msg_dds__WrenchStamped__desc, Ros2Quality::kSensorData)) {}
 
 Ros2Handle::~Ros2Handle() { tell_force(0); }
 
@@ -32,7 +34,15 @@ std::string Ros2Handle::name() const {
 std::string Ros2Handle::awaits() {
     const SessionTime now = wall_now();
     hear(now);
-    if (heard_within(now, kRecently)) return {};
+    if (dds_get_matched_publications(others_, nullptr, 0) > 1)  // forces_ is one
+        throw Error(ExitCode::kUsage,
+                    "another program sends forces on {} (domain {} at {}), so a device would obey both: end "
+                    "the other session, or give each session a domain of its own by ROS_DOMAIN_ID",
+                    kForces, domain_, interface_);
+    if (heard_within(now, kRecently)) {
+        dds_delete(others_);  // it would take time of each force
+        return {};
+    }
     return fmt::format("waiting for positions on {} (PoseStamped, domain {} at {})", kPositions, domain_,
                        interface_);
 }

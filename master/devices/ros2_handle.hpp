@@ -19,6 +19,7 @@ class Ros2Handle final : public RemoteHandle {
     ~Ros2Handle() override;
 
     std::string name() const override;
+    // Throws Error (usage) where another program sends forces.
     std::string awaits() override;
 
   private:
@@ -30,6 +31,7 @@ class Ros2Handle final : public RemoteHandle {
     std::string interface_;
     Ros2Bus bus_;
     dds_entity_t positions_, forces_;
+    dds_entity_t others_;  // a reader of forces, until positions come: another master's would match
 };
 
 }  // namespace thimble

@@ -168,7 +168,7 @@ void add_ros2_options(CLI::App& app, Ros2Options& o) {
                    "experimenter's view is open as well)")
         ->check(CLI::IsMember({"experimenter", "player"}))
         ->default_val(o.seat);
-    app.add_option("--prefix", o.prefix, "of the topics; another one for each session")
+    app.add_option("--prefix", o.prefix, "of the topics; two sessions at once need two domains as well")
         ->check([](const std::string& text) {
             const bool good =
                 text.size() > 1 && text.front() == '/' && std::isalpha(text[1]) != 0 &&
@@ -191,12 +191,12 @@ int observe(const Ros2Options& options) {
     const NetworkSettings network =
         observed_network(options.config, static_cast<std::uint16_t>(options.base_port));
     require_observer_here(network.security, options.interface, "--interface");
+    const unsigned domain = options.domain ? static_cast<unsigned>(*options.domain) : ros2_domain();
     install_stop_signals();
     Sockets sockets(network);
     Channel& monitor = options.seat == "player"
                            ? *sockets.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)
                            : *sockets.between(Port::kExperimenterMonitor, Port::kSessionOrders);
-    const unsigned domain = options.domain ? static_cast<unsigned>(*options.domain) : ros2_domain();
     Ros2Bus bus(domain, options.interface);
     Ros2Publisher out(bus, options);
     const ClockPair clocks = read_clock_pair();

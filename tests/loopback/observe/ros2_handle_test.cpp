@@ -106,6 +106,27 @@ TEST(Ros2Handle, AnEmergencyStopTakesItsForce) {
     expect_end(run, 1, EndReason::kEmergencyStop, "emergency_stop");
 }
 
+TEST(Ros2Handle, RefusesToStartBesideAnotherMaster) {
+    setenv("ROS_DOMAIN_ID", std::to_string(own_domain()).c_str(), 1);
+    const Folder folder;
+    const PortBlock ports;
+    FastDdsPeer peer;
+    peer.writer<HeardWrench>("/thimble/handle/servo_cf");
+    auto* const positions = peer.writer<HeardPose>("/thimble/handle/measured_cp");
+    Child master(built_programs() / "thimble-ros2-master",
+                 {folder.write("session.toml", on_ros2().text()).string(), "--base-port",
+                  std::to_string(ports.base())},
+                 folder / "words");
+    HeardPose::type pose;
+    wait_until([&] {
+        positions->write(&pose);
+        return master.poll().has_value();
+    });
+    unsetenv("ROS_DOMAIN_ID");
+    EXPECT_EQ(master.poll(), 2);
+    EXPECT_THAT(read_text(folder / "words"), HasSubstr("another program sends forces on /thimble/handle/se"));
+}
+
 TEST(Ros2Handle, SaysWhichProgramAndWhichInterface) {
     const Folder folder;
     const auto session = folder.write("session.toml", on_ros2().text()).string();
