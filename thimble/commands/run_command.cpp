@@ -28,8 +28,7 @@ struct RunArguments : RealRunArguments {
     CLI::Option* answer_limit_option = nullptr;
 };
 
-// The master that speaks ROS 2 is a program of its own (THIMBLE_ROS2).
-void take_ros2_master(LaunchSettings& launch) {
+void take_ros2_master(LaunchSettings& launch, bool as_services) {
     auto& master = launch.own_programs.at(static_cast<std::size_t>(Role::kMaster));
     if (!master.empty()) return;
     if (launch.anywhere_else())
@@ -37,13 +36,11 @@ void take_ros2_master(LaunchSettings& launch) {
             ExitCode::kUsage,
             "[handle] device = \"ros2\" is for sessions on one machine: leave the keys machine_... of "
             "[launch] out");
-    master = program_folder() / "thimble-ros2-master";
-    if (std::filesystem::exists(master)) return;
-    throw Error(
-        ExitCode::kUsage,
-        "[handle] device = \"ros2\" needs {}, which is not there: install the package thimble-ros2, or "
-        "build with -DTHIMBLE_ROS2=ON",
-        master.string());
+    if (as_services)
+        throw Error(ExitCode::kUsage,
+                    "[handle] device = \"ros2\": --print systemd has no unit for its master, "
+                    "thimble-ros2-master: start the session by 'thimble run' without --print");
+    master = ros2_master();
 }
 
 LaunchSettings launch_of(const RunArguments& arguments, const SystemSettings& settings) {
@@ -52,7 +49,7 @@ LaunchSettings launch_of(const RunArguments& arguments, const SystemSettings& se
     if (!arguments.programs.empty()) launch.programs = arguments.programs;
     if (exec_words(launch, "x").empty())
         throw Error(ExitCode::kUsage, "--exec is empty: leave it out for ssh");
-    if (settings.handle.kind == HandleKind::kRos2) take_ros2_master(launch);
+    if (settings.handle.kind == HandleKind::kRos2) take_ros2_master(launch, arguments.print == "systemd");
     return launch;
 }
 

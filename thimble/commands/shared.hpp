@@ -44,7 +44,10 @@ std::filesystem::path output_file(const std::filesystem::path& out, const char* 
 // The argument for a session file. After parsing, `file` has the path of a session that was named.
 CLI::Option* add_session_option(CLI::App& command, std::string& file, const std::string& help);
 
-// Throws Error (usage): a device of a node on this machine for which this build has no driver (THIMBLE_DEVICES=OFF), or letters of
+// The master that speaks ROS 2, a program of its own (THIMBLE_ROS2). Throws Error (usage) where it is not there.
+std::filesystem::path ros2_master();
+
+// Throws Error (usage): a device of a node on this machine for which this build has no driver (THIMBLE_DEVICES=OFF) or program, or letters of
 // [instructions] that the window's font lacks (where there are windows).
 void check_build(const SystemSettings& settings);
 

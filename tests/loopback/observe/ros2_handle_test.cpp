@@ -134,6 +134,13 @@ TEST(Ros2Handle, SaysWhichProgramAndWhichInterface) {
     const auto without = run_to_end(program / "thimble-master", {session});
     EXPECT_EQ(without.code, 2);
     EXPECT_THAT(without.words, HasSubstr("thimble-ros2-master"));
+    const auto units = run_to_end(program / "thimble", {"run", session, "--print", "systemd"});
+    EXPECT_EQ(units.code, 2);
+    EXPECT_THAT(units.words, HasSubstr("no unit for its master, thimble-ros2-master"));
+    std::filesystem::copy(program / "thimble", folder / "thimble");
+    const auto alone = run_to_end(folder / "thimble", {"check", session});
+    EXPECT_EQ(alone.code, 2);
+    EXPECT_THAT(alone.words, HasSubstr("install the package thimble-ros2"));
     const auto other = folder.write("other.toml", SessionFile{}.text()).string();
     EXPECT_EQ(run_to_end(program / "thimble-ros2-master", {other}).code, 2);
     const auto far = folder.write("far.toml", on_ros2().text() + "[handle.ros2]\ninterface = '192.0.2.1'\n");
