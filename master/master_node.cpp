@@ -40,7 +40,7 @@ MasterNode::MasterNode(const MasterSettings& settings)
       estimator_(settings.velocity),
       control_(settings.control, {settings.position_scale, settings.force_scale, settings.force_limit_N,
                                   settings.sample_period}),
-      fill_(settings.codec) {}
+      fill_(settings.codec, settings.sample_period) {}
 
 void MasterNode::start_trial(SessionTime now, Modality modality, Duration network_delay) {
     control_.start(modality == Modality::kHF, network_delay);

@@ -2,7 +2,10 @@
 //
 //     F^(t) = F            hold: deadband, every-nth, send-on-delta; finger and bar always
 //
-//     F^(t) = F + F' t     deadband-linear; never with the other sign
+//     F^(t) = F + F' t     deadband-linear; never with the other sign, and never farther from F than
+//                          max(k max(|F|, F_floor), |dF|), where dF is the difference of the last two
+//
+// F' is 0 where the two are less than half a period apart: there the clocks' jitter would be the slope.
 //
 // An answer is sent after `refresh` at the latest, and if phase, fixture or hold have changed. A deadband sends it if
 //
@@ -12,7 +15,7 @@
 //
 //     |F(t) - F| > delta
 //
-// After a lost packet the two ends have different slopes until two more have come.
+// After a lost packet the two ends have different slopes until two more have come. The bound limits the force that is made up.
 #pragma once
 
 #include <algorithm>
@@ -23,27 +26,40 @@
 
 namespace thimble {
 
+// Half the width of the deadband about the force sent last.
+inline double deadband_N(const CodecSettings& settings, const ForceFeedback& sent) {
+    return settings.weber_fraction * std::max(std::abs(sent.force_total_N), settings.force_floor_N);
+}
+
 // The straight line through the last two forces of a flow, by the stamps of the samples that they answer.
 class ForceLine {
   public:
+    // period: of the master's samples. Both ends must have the same.
+    ForceLine(const CodecSettings& settings, Duration period) : settings_(settings), period_(period) {}
+
     void reset() { points_ = 0; }
     void add(const ForceFeedback& feedback) {
-        const double elapsed_s = to_seconds(feedback.echo_time - newest_.echo_time);
+        const Duration elapsed = feedback.echo_time - newest_.echo_time;
         const double change_N = feedback.force_total_N - newest_.force_total_N;
-        slope_N_per_s_ = points_ > 0 && elapsed_s > 0 ? change_N / elapsed_s : 0;
+        const bool slopes = points_ > 0 && elapsed >= period_ / 2;
+        slope_N_per_s_ = slopes ? change_N / to_seconds(elapsed) : 0;
         newest_ = feedback;
+        most_N_ = std::max(deadband_N(settings_, newest_), std::abs(change_N));
         ++points_;
     }
     bool empty() const { return points_ == 0; }
     const ForceFeedback& newest() const { return newest_; }
     double at(Duration since) const {
-        const double force_N = newest_.force_total_N + slope_N_per_s_ * to_seconds(since);
+        const double change_N = std::clamp(slope_N_per_s_ * to_seconds(since), -most_N_, most_N_);
+        const double force_N = newest_.force_total_N + change_N;
         return newest_.force_total_N < 0 ? std::min(force_N, 0.0) : std::max(force_N, 0.0);
     }
 
   private:
+    CodecSettings settings_;
+    Duration period_;
     ForceFeedback newest_;
-    double slope_N_per_s_ = 0;
+    double slope_N_per_s_ = 0, most_N_ = 0;
     unsigned points_ = 0;
 };
 
@@ -52,7 +68,7 @@ class ForceGate {
   public:
     // predicts: the receiver draws the line. period: of the master's samples.
     ForceGate(const CodecSettings& settings, Duration period, bool predicts)
-        : settings_(settings), predicts_(predicts), period_(period) {}
+        : settings_(settings), predicts_(predicts), period_(period), line_(settings, period) {}
 
     void reset() { line_.reset(); }
     // Whether this answer is sent. Once per answer, in order.
@@ -81,9 +97,7 @@ class ForceGate {
         return line_.at(feedback.echo_time - line_.newest().echo_time);
     }
     double width_N() const {
-        if (!is_deadband(settings_.force)) return settings_.delta_force_N;
-        const double sent_N = std::abs(line_.newest().force_total_N);
-        return settings_.weber_fraction * std::max(sent_N, settings_.force_floor_N);
+        return is_deadband(settings_.force) ? deadband_N(settings_, line_.newest()) : settings_.delta_force_N;
     }
 
     CodecSettings settings_;
@@ -96,7 +110,8 @@ class ForceGate {
 // The handle's end: the force between two packets, where it is not simply held.
 class ForceFill {
   public:
-    explicit ForceFill(const CodecSettings& settings) : settings_(settings) {}
+    ForceFill(const CodecSettings& settings, Duration period)
+        : settings_(settings), line_(settings, period) {}
 
     void reset() { line_.reset(); }
     void heard(SessionTime now, const ForceFeedback& feedback) {

@@ -90,8 +90,9 @@ class NeedleGate {
 };
 
 // The slave's end: a sample for each of the master's periods, with the stamps that the master would have given. A sample without a
-// packet is made half a period after its packet would have come: a packet that is a little late is not overtaken. Samples never run
-// ahead of the newest packet by more than the refresh bound, whatever the network does.
+// packet is made half a period after its packet would have come: a packet that is a little late is not overtaken. Stamps
+// may jitter: a packet less than half a period beyond the newest sample counts from the next sample on. Samples never run ahead of
+// the newest packet by more than the refresh bound, whatever the network does.
 class NeedleFill {
   public:
     struct Sample {
@@ -110,14 +111,15 @@ class NeedleFill {
     // The needle is held: no further sample until the next packet.
     void pause() { next_ = kNever; }
     bool used() const { return settings_.command != HapticCodec::kNone; }
-    // A packet came. True: it is newer than all samples so far, and is answered now. Else it counts from the next sample on.
+    // A packet came. True: it is half a period newer than the newest sample, and is answered now. Else it counts from the next
+    // sample on.
     bool heard(SessionTime now, const Header& header, const NeedleWave& message) {
         if (!used()) return true;
         newest_ = header.send_time;
         sample_.sequence = header.sequence;
         sent_ = message;
         // Another master has another clock.
-        const bool ahead = !known_ || header.instance != instance_ || newest_ > sample_.stamp;
+        const bool ahead = !known_ || header.instance != instance_ || newest_ > sample_.stamp + period_ / 2;
         instance_ = header.instance;
         if (ahead) sample_.stamp = newest_;
         fresh_ = !ahead;

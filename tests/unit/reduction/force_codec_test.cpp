@@ -54,7 +54,7 @@ RC_GTEST_PROP(ForceGate, BoundsTheErrorAtTheHandle, ()) {
     const CodecSettings settings = forces_by(
         *rc::gen::element(HapticCodec::kDeadband, HapticCodec::kDeadbandLinear, HapticCodec::kSendOnDelta));
     ForceGate gate(settings, kAnswerPeriod, true);
-    ForceFill fill(settings);
+    ForceFill fill(settings, kAnswerPeriod);
     const std::vector<double> forces = any_forces();
     double sent_N = 0;
     for (int i = 0; i < static_cast<int>(forces.size()); ++i) {
@@ -73,7 +73,8 @@ RC_GTEST_PROP(ForceLine, ForgetsALostPacketAfterTwoMore, ()) {
     const std::vector<double> forces = any_forces();
     RC_PRE(forces.size() > 3);
     const int lost = *rc::gen::inRange(0, static_cast<int>(forces.size()) - 2);
-    ForceLine sender, receiver;
+    const CodecSettings settings = forces_by(HapticCodec::kDeadbandLinear);
+    ForceLine sender(settings, kAnswerPeriod), receiver(settings, kAnswerPeriod);
     for (int i = 0; i < static_cast<int>(forces.size()); ++i) {
         sender.add(force(i, forces[static_cast<std::size_t>(i)]));
         if (i != lost) receiver.add(force(i, forces[static_cast<std::size_t>(i)]));
@@ -104,8 +105,25 @@ TEST(ForceGate, SendsWhatIsNoNumberAtOnce) {
     EXPECT_FALSE(gate.due(stamp_of(4), changed));
 }
 
+// The packet that ends a slope of 300 N/s is lost.
+TEST(ForceFill, AfterALossMakesUpNoMoreThanTheLastChange) {
+    ForceFill fill(forces_by(HapticCodec::kDeadbandLinear), kAnswerPeriod);
+    fill.heard(stamp_of(0), force(0, -1));
+    fill.heard(stamp_of(1), force(1, -1.3));
+    EXPECT_NEAR(fill.at(stamp_of(31)).force_total_N, -1.6, 1e-12);
+}
+
+TEST(ForceFill, StampsThatJitterMakeNoSlope) {
+    ForceFill fill(forces_by(HapticCodec::kDeadbandLinear), kAnswerPeriod);
+    fill.heard(stamp_of(0), force(0, -1));
+    ForceFeedback close = force(0, -1.3);
+    close.echo_time += std::chrono::microseconds(20);
+    fill.heard(stamp_of(1), close);
+    EXPECT_EQ(fill.at(stamp_of(11)).force_total_N, -1.3);
+}
+
 TEST(ForceLine, NeverChangesItsSign) {
-    ForceLine line;
+    ForceLine line(forces_by(HapticCodec::kDeadbandLinear), kAnswerPeriod);
     line.add(force(0, -2));
     line.add(force(1, -1));
     EXPECT_EQ(line.at(milliseconds(40)), 0);

@@ -159,6 +159,20 @@ TEST(NeedleFill, EndsAtTheRefreshBoundAndGoesOnWithTheNextPacket) {
     EXPECT_LT(fill.next(), time_of(102));
 }
 
+// A packet that is late, with a stamp a little beyond the sample that stood for it: the needle waits for its next sample.
+TEST(NeedleFill, ALatePacketWhoseStampJittersIsNotAnsweredTwice) {
+    NeedleFill fill(with(HapticCodec::kDeadbandLinear), kPeriod);
+    Header header;
+    header.send_time = time_of(0);
+    EXPECT_TRUE(fill.heard(time_of(0), header, {}));
+    ASSERT_NE(fill.take(time_of(1) + kPeriod / 2), nullptr);
+    header.send_time = time_of(1) + std::chrono::microseconds(20);
+    EXPECT_FALSE(fill.heard(time_of(1) + kPeriod * 6 / 10, header, {}));
+    const auto* next = fill.take(time_of(2) + kPeriod / 2);
+    ASSERT_NE(next, nullptr);
+    EXPECT_EQ(next->stamp, time_of(2));
+}
+
 TEST(NeedleFill, AnotherMasterHasAnotherClock) {
     NeedleFill fill(with(HapticCodec::kDeadband), kPeriod);
     Header header;
