@@ -93,6 +93,16 @@ TEST(ForceGate, SendsAtTheRefreshBoundWithoutAChange) {
 }
 
 TEST(ForceGate, SendsWhatIsNoNumberAtOnce) {
+    for (const HapticCodec codec :
+         {HapticCodec::kDeadband, HapticCodec::kDeadbandLinear, HapticCodec::kSendOnDelta}) {
+        ForceGate gate(forces_by(codec), kAnswerPeriod, true);
+        EXPECT_TRUE(gate.due(stamp_of(0), force(0, -1)));
+        EXPECT_TRUE(gate.due(stamp_of(1), force(1, std::nan(""))));
+        EXPECT_TRUE(gate.due(stamp_of(2), force(2, -1))) << "and the number after it";
+    }
+}
+
+TEST(ForceGate, SendsAChangeOfHoldPhaseOrFixtureAtOnce) {
     ForceGate gate(forces_by(HapticCodec::kDeadband), kAnswerPeriod, true);
     EXPECT_TRUE(gate.due(stamp_of(0), force(0, -1)));
     ForceFeedback changed = force(1, -1);
