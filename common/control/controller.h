@@ -28,9 +28,11 @@ extern "C" {
 #define THIMBLE_CONTROLLER_ABI 1u
 
 enum {
-    /* It has an end at the slave as well, and messages carry its packets both ways. */
+    /* It has an end at the slave as well, and messages carry its packets both ways. A session with [codec] refuses such a plug-in:
+       each packet carries its own sample's values. */
     THIMBLE_BOTH_ENDS = 1u,
-    /* force() is called when a force arrives, not at samples. Right for a function of that force alone. */
+    /* force() is called when a force arrives, not at samples. Right for a function of that force alone. With [codec] force =
+       "deadband-linear" it is called at samples as well. */
     THIMBLE_AT_ONCE = 2u,
     /* It promises passivity: sum of force x travel of the hand + device_damping_Ns_per_m x travel^2 / sample_period_s >= 0. */
     THIMBLE_PASSIVE = 4u
@@ -111,7 +113,8 @@ typedef struct thimble_controller {
     void (*receive)(void* self, const thimble_feedback* feedback);        /* or NULL: force() gets the newest */
     void (*receive_packet)(void* self, const thimble_packet* packet);     /* or NULL */
     void (*forget)(void* self); /* or NULL; the feedback became unknown */
-    /* The force at the handle, from the newest feedback. Not a number counts as 0 N, and the user is told. */
+    /* The force at the handle, from the newest feedback. With [codec] force = "deadband-linear" its force_total_hand_N is predicted
+       between two packets; receive() gets none of these. Not a number counts as 0 N, and the user is told. */
     double (*force)(void* self, const thimble_feedback* newest);
 
     /* The slave's end, all NULL without THIMBLE_BOTH_ENDS. */
@@ -126,7 +129,8 @@ typedef struct thimble_controller {
     void (*answer_slave)(void* self, const thimble_feedback* felt, thimble_packet* out);
     void (*hold_slave)(void* self); /* or NULL; commands stopped, every force is 0 */
 
-    /* The part of the force that the hand gets, 0 to 1. The skin gets the rest. NULL: 1. Called before create. */
+    /* The part of the force that the hand gets, 0 to 1. The skin gets the rest. NULL: 1. Called before create.
+       Its settings hold 0 for sample period, scales and limit. */
     double (*hand_share)(const thimble_controller_settings* settings);
 } thimble_controller;
 

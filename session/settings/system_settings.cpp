@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/control/built_in_controllers.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "netem/packet_trace.hpp"
@@ -119,8 +120,14 @@ void check_agreement(const ConfigFile& file, const SystemSettings& s) {
 void check_codec(const ConfigFile& file, const SystemSettings& s) {
     const CodecSettings& codec = s.slave.codec;
     const ConfigTable table = file.table("codec");
-    if (codec.used() && s.master.control.compensator == Compensator::kWave)
-        table.fail(codec.command != HapticCodec::kNone ? "command" : "force",
+    const ControlSettings& control = s.master.control;
+    const char* const flow = codec.command != HapticCodec::kNone ? "command" : "force";
+    if (codec.used() && control.compensator == Compensator::kPlugin && has_two_ends(control))
+        table.fail(flow,
+                   "does not go with a plug-in that has two ends ([control] plugin): each packet carries its "
+                   "own sample's values. Use one end, or leave [codec] out");
+    if (codec.used() && control.compensator == Compensator::kWave)
+        table.fail(flow,
                    "does not go with [control] compensator = \"wave\": each packet carries the waves of its "
                    "own sample. Use \"two-port\", or leave [codec] out");
     if (codec.command != HapticCodec::kNone) check_refresh(table, codec, "slave_sim", s.slave.stale_after);

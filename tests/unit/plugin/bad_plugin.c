@@ -75,11 +75,39 @@ static double force(void* self, const thimble_feedback* newest) {
     }
 }
 
+#ifdef BOTH_ENDS
+static uint32_t receive_slave(void* self, const thimble_command* command, const thimble_packet* packet) {
+    (void)self, (void)command, (void)packet;
+    return 1;
+}
+
+static double step_slave(void* self, const thimble_surroundings* surroundings) {
+    (void)self, (void)surroundings;
+    return 0;
+}
+
+static void start_slave(void* self) { (void)self; }
+
+static void answer_slave(void* self, const thimble_feedback* felt, thimble_packet* out) {
+    (void)self, (void)felt, (void)out;
+}
+#endif
+
 const thimble_controller* thimble_controller_table(void) {
     static const thimble_controller_key keys[] = {{"fault_number", NONE, NONE, ABORT, "What it does wrong."}};
     static const thimble_controller table = {
         .abi = BAD_ABI,
+#ifdef BOTH_ENDS
+        .capabilities = THIMBLE_BOTH_ENDS,
+        .create_slave = create,
+        .destroy_slave = free,
+        .start_slave = start_slave,
+        .receive_slave = receive_slave,
+        .step_slave = step_slave,
+        .answer_slave = answer_slave,
+#else
         .capabilities = THIMBLE_PASSIVE,
+#endif
         .name = "bad",
         .keys = keys,
         .key_count = 1,

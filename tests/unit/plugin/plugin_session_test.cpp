@@ -124,6 +124,18 @@ TEST(PluginSession, AComparisonHasItsRow) {
     EXPECT_THROW(run_compensator_study(paper(), options), Error);
 }
 
+TEST(PluginSession, OneWithTwoEndsDoesNotGoWithACodec) {
+    const TemporaryDirectory folder;
+    std::filesystem::copy(plugin_file("two_ends"), folder / "two.so");
+    const auto load = [&](const std::string& codec) {
+        write_text(folder / "session.toml", "[control]\nplugin = 'two.so'\n[codec]\n" + codec);
+        load_system_settings(folder / "session.toml", {});
+    };
+    EXPECT_NO_THROW(load(""));
+    EXPECT_THAT(refusal([&] { load("force = 'every-nth'"); }, ExitCode::kUsage),
+                HasSubstr("'codec.force' does not go with a plug-in that has two ends"));
+}
+
 TEST(Apart, BringsWhatTheWorkGivesOrWhyItFailed) {
     EXPECT_EQ(run_apart([] { return std::string(300'000, 'x'); }).bytes, std::string(300'000, 'x'));
     const ApartResult thrown =
