@@ -66,6 +66,5 @@ int run_thimble(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     quieten_other_ranks();
-    const int code = guarded_main("thimble", [&] { return run_thimble(argc, argv); });
-    return own_rank() == 0 ? code : 0;  // mpirun would end rank 0 before it has written all
+    return end_of_rank(guarded_main("thimble", [&] { return run_thimble(argc, argv); }));
 }

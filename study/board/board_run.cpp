@@ -21,8 +21,9 @@ bool run_board(const BoardPlan& plan, const BoardOptions& options) {
         progress.show(fmt::format("{}/{} rows, {}", table.done(), plan.rows(), name),
                       table.done() % (plan.rows() / 10 + 1) == 0);
     };
-    const bool complete = run_in_order<std::string>(plan.rows() - first, options.jobs, options.stop, row,
-                                                    take, ResultsGo::kToFirst);
+    const bool complete =
+        run_in_order<std::string>(plan.rows() - first, options.jobs, options.stop, row, take,
+                                  ResultsGo::kToFirst, fmt::format("{} {}", first, plan_text(plan)));
     progress.say(fmt::format("{} of {} rows", table.done(), plan.rows()));
     return complete;
 }

@@ -78,7 +78,8 @@ class Fitter {
     }
 
     bool simulate() {
-        SimulationFile file(options_.out, options_.if_exists, fit_plan(settings_, options_, recorded_));
+        const std::string plan = fit_plan(settings_, options_, recorded_);
+        SimulationFile file(options_.out, options_.if_exists, plan);
         const std::size_t pairs = (options_.simulations + 1) / 2;
         training_ = file.earlier();
         for (std::size_t i = 0; i < training_.size(); ++i)
@@ -97,7 +98,8 @@ class Fitter {
                           training_.size() % (pairs / 4 + 1) == 0);
         };
         result_.complete =
-            run_in_order<Pair>(pairs - std::min(done, pairs), options_.jobs, options_.stop, pair, take);
+            run_in_order<Pair>(pairs - std::min(done, pairs), options_.jobs, options_.stop, pair, take,
+                               ResultsGo::kToAll, fmt::format("{} {}", done, plan));
         if (result_.complete) file.close();
         return result_.complete;
     }

@@ -33,7 +33,8 @@ int run_map(const SweepArguments& arguments, const MapGrid& grid) {
                                   const std::size_t from = first + i * block;
                                   return writer.rows({from, std::min(block, grid.cells() - from)});
                               },
-                              [&](const std::string& rows) { table.append(rows); }, ResultsGo::kToFirst);
+                              [&](const std::string& rows) { table.append(rows); }, ResultsGo::kToFirst,
+                              fmt::format("{} {} {}", first, block, grid_text(grid)));
     if (own_rank() > 0) return static_cast<int>(ExitCode::kOk);
     if (table.done() < grid.cells()) {
         spdlog::error("interrupted; the {} cells that were done are kept: go on with --resume", table.done());

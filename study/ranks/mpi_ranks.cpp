@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <cstring>
 #include <exception>
+#include <functional>
+#include <list>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,6 +18,8 @@
 #define OMPI_SKIP_MPICXX 1  // its C++ bindings are no more
 #include <mpi.h>
 
+#include <fmt/format.h>
+
 #include "common/error.hpp"
 #include "study/ranks/own_items.hpp"
 #include "study/ranks/ranks.hpp"
@@ -23,12 +27,12 @@
 namespace thimble {
 namespace {
 
-enum Tag : int { kItem = 1, kDone, kFailed, kResult, kEnd, kGone };
+enum Tag : int { kBegin = 1, kAgreed, kItem, kDone, kFailed, kResult, kEnd, kGone };
 enum class Ended : std::uint64_t { kComplete, kStopped, kFailed };
 
 struct Message {
     int from = 0, tag = 0;
-    std::uint64_t number = 0;  // of an item, an exit code, or an Ended
+    std::uint64_t number = 0;  // of items, of an item, an exit code, or an Ended
     std::string bytes;
 };
 
@@ -48,11 +52,37 @@ std::optional<Message> received() {
     return message;
 }
 
+// Two ranks that send to each other at once would wait for ever in a send that blocks, so each message waits here until it has left.
+struct Outgoing {
+    std::string wire;
+    MPI_Request request;
+};
+
+// Never destroyed: the last messages leave when the program ends.
+std::list<Outgoing>& outbox() {
+    static auto& messages = *new std::list<Outgoing>;
+    return messages;
+}
+
+bool has_left(Outgoing& message) {
+    int left = 0;
+    MPI_Test(&message.request, &left, MPI_STATUS_IGNORE);
+    return left != 0;
+}
+
 void send(int to, Tag tag, std::uint64_t number, const std::string& bytes = {}) {
     std::string wire(sizeof number, '\0');
     std::memcpy(wire.data(), &number, sizeof number);
     wire += bytes;
-    MPI_Send(wire.data(), static_cast<int>(wire.size()), MPI_BYTE, to, tag, MPI_COMM_WORLD);
+    outbox().remove_if(has_left);
+    Outgoing& outgoing = outbox().emplace_back(Outgoing{std::move(wire), MPI_REQUEST_NULL});
+    MPI_Isend(outgoing.wire.data(), static_cast<int>(outgoing.wire.size()), MPI_BYTE, to, tag, MPI_COMM_WORLD,
+              &outgoing.request);
+}
+
+// Counted, and the same text for the same items. All ranks are the same program.
+std::string items_of(const RankWork& work) {
+    return fmt::format("{} items of plan {:016x}", work.count, std::hash<std::string>{}(work.plan));
 }
 
 // Rank 0 while it leads.
@@ -65,6 +95,7 @@ class Lead {
           busy_(static_cast<std::size_t>(ranks), 0) {}
 
     bool run() {
+        for (int rank = 1; rank < ranks_; ++rank) ask(rank, kBegin, work_.count, items_of(work_));
         while (taken_ < work_.count || away_ > 0 || !own_.empty()) {
             if (work_.stop != nullptr && *work_.stop) stopped_ = true;
             if (over() && away_ == 0 && own_.empty()) break;
@@ -100,13 +131,17 @@ class Lead {
         for (std::size_t each = 1; each <= 2 * std::size_t{work_.threads}; ++each) {
             if (left() && own_.size() < each && own_.has_room()) own_.give(next_++);
             for (int rank = 1; rank < ranks_ && left(); ++rank) {
-                std::size_t& busy = busy_[static_cast<std::size_t>(rank)];
-                if (busy >= each) continue;
-                send(rank, kItem, next_++);
-                ++busy;
-                ++away_;
+                if (busy_[static_cast<std::size_t>(rank)] >= each) continue;
+                ask(rank, kItem, next_++);
             }
         }
+    }
+
+    // Each gets an answer: hear().
+    void ask(int rank, Tag tag, std::uint64_t number, const std::string& bytes = {}) {
+        send(rank, tag, number, bytes);
+        ++busy_[static_cast<std::size_t>(rank)];
+        ++away_;
     }
 
     void hear(const Message& message) {
@@ -114,7 +149,7 @@ class Lead {
         --away_;
         guarded([&] {
             if (message.tag == kFailed) throw Error(static_cast<ExitCode>(message.number), message.bytes);
-            take(message.number, message.bytes);
+            if (message.tag == kDone) take(message.number, message.bytes);
         });
     }
 
@@ -172,6 +207,7 @@ class MpiRanks final : public Ranks {
         } else {
             while (!gone_) wait_for_end();
         }
+        for (Outgoing& message : outbox()) MPI_Wait(&message.request, MPI_STATUS_IGNORE);
         MPI_Finalize();
     }
     MpiRanks(const MpiRanks&) = delete;
@@ -180,12 +216,23 @@ class MpiRanks final : public Ranks {
     std::size_t count() const override { return static_cast<std::size_t>(ranks_); }
     void meet() override { MPI_Barrier(MPI_COMM_WORLD); }
     bool run(const RankWork& work) override { return rank_ == 0 ? Lead(work, ranks_).run() : follow(work); }
+    void fail(const std::string& why) override { why_ = why; }
 
   private:
     bool follow(const RankWork& work) {
         OwnItems own(work.threads, work.work);
+        try {
+            return follow(work, own);
+        } catch (const std::exception& error) {
+            for (std::size_t left = gone_ ? 0 : own.size(); left > 0; --left) refuse(error.what());
+            throw;
+        }
+    }
+
+    bool follow(const RankWork& work, OwnItems& own) {
         for (;;) {
             while (auto message = received()) {
+                if (message->tag == kBegin) agree(*message, work);
                 if (message->tag == kItem) own.give(message->number);
                 if (message->tag == kResult) work.take(message->bytes);
                 if (message->tag == kEnd) return ended(*message);
@@ -198,13 +245,35 @@ class MpiRanks final : public Ranks {
         }
     }
 
+    // Items of another plan would be other rows.
+    void agree(const Message& begin, const RankWork& work) const {
+        if (begin.bytes == items_of(work)) return send(0, kAgreed, 0);
+        const Error error(ExitCode::kUsage,
+                          "rank {} on {} has {}, rank 0 has {}: let the folder of --out, the session and the "
+                          "program be the same on each machine",
+                          rank_, machine(), items_of(work), begin.bytes);
+        refuse(error.what(), error.code());
+        throw error;
+    }
+
+    static std::string machine() {
+        std::array<char, MPI_MAX_PROCESSOR_NAME> name{};
+        int length = 0;
+        MPI_Get_processor_name(name.data(), &length);
+        return {name.data(), static_cast<std::size_t>(length)};
+    }
+
+    static void refuse(const std::string& why, ExitCode code = ExitCode::kRunFailed) {
+        send(0, kFailed, static_cast<std::uint64_t>(code), why);
+    }
+
     static void answer(OwnItems& own) {
         try {
             if (auto done = own.take()) send(0, kDone, done->item, done->result);
         } catch (const Error& error) {
-            send(0, kFailed, static_cast<std::uint64_t>(error.code()), error.what());
+            refuse(error.what(), error.code());
         } catch (const std::exception& error) {
-            send(0, kFailed, static_cast<std::uint64_t>(ExitCode::kRunFailed), error.what());
+            refuse(error.what());
         }
     }
 
@@ -217,6 +286,8 @@ class MpiRanks final : public Ranks {
     void wait_for_end() {
         if (const auto message = received()) {
             gone_ = message->tag == kGone;
+            // Rank 0 waits for each answer.
+            if (message->tag == kBegin || message->tag == kItem) refuse(why_);
         } else {
             nap();
         }
@@ -224,6 +295,7 @@ class MpiRanks final : public Ranks {
 
     int rank_ = 0, ranks_ = 1;
     bool gone_ = false;
+    std::string why_ = "a rank has ended before the others";
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <list>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace thimble {
@@ -65,8 +66,13 @@ class OwnItems {
         std::future<std::string> result;
     };
     void start() {
-        for (; running_.size() < threads_ && !waiting_.empty(); waiting_.pop_front())
-            running_.push_back({waiting_.front(), std::async(std::launch::async, work_, waiting_.front())});
+        try {
+            for (; running_.size() < threads_ && !waiting_.empty(); waiting_.pop_front())
+                running_.push_back(
+                    {waiting_.front(), std::async(std::launch::async, work_, waiting_.front())});
+        } catch (const std::system_error&) {
+            if (running_.empty()) throw;  // else it waits for a thread that ends
+        }
     }
 
     std::size_t threads_;

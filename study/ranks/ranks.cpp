@@ -1,10 +1,16 @@
 #include "study/ranks/ranks.hpp"
 
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <memory>
+#include <sys/mman.h>
 #include <system_error>
+#include <thread>
 #include <unistd.h>
 
 #include "analysis/text/gnuplot.hpp"
@@ -24,6 +30,28 @@ int number_in(const char* variable, int otherwise) {
 std::unique_ptr<Ranks>& joined() {
     static std::unique_ptr<Ranks> ranks;
     return ranks;
+}
+
+int& own_stderr() {
+    static int descriptor = STDERR_FILENO;
+    return descriptor;
+}
+
+std::string host_name() {
+    std::array<char, 256> name{};
+    gethostname(name.data(), name.size() - 1);
+    return name.data();
+}
+
+// The last line that a rank but the first did not say.
+std::string last_unsaid() {
+    std::array<char, 2000> end{};
+    const off_t size = lseek(STDERR_FILENO, 0, SEEK_END);
+    const off_t from = std::max<off_t>(0, size - static_cast<off_t>(end.size()));
+    const ssize_t read = pread(STDERR_FILENO, end.data(), end.size(), from);
+    std::string text(end.data(), static_cast<std::size_t>(std::max<ssize_t>(0, read)));
+    text.erase(text.find_last_not_of('\n') + 1);
+    return text.substr(text.rfind('\n') + 1);
 }
 
 std::unique_ptr<Ranks> load_ranks() {
@@ -73,19 +101,39 @@ void quieten_other_ranks() {
     if (own_rank() == 0) return;
     const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
     dup2(nowhere, STDOUT_FILENO);
-    dup2(nowhere, STDERR_FILENO);
+    own_stderr() = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    const int unsaid = memfd_create("unsaid", MFD_CLOEXEC);
+    dup2(unsaid >= 0 ? unsaid : nowhere, STDERR_FILENO);
     draw_nothing();
+}
+
+int end_of_rank(int code) {
+    if (own_rank() == 0) return code;
+    if (code == 0) return 0;
+    const std::string why = fmt::format("rank {} on {}: {}", own_rank(), host_name(), last_unsaid());
+    // mpirun would end rank 0 before it has written all.
+    if (Ranks* const ranks = joined_ranks()) {
+        ranks->fail(why);
+        return 0;
+    }
+    // Most mistakes are those of each rank. Rank 0 then says them, and mpirun ends this one meanwhile.
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    dprintf(own_stderr(), "%s\n", why.c_str());
+    return code;
 }
 
 fs::path join_ranks(const fs::path& out) {
     if (rank_count() < 2) return out;
-    joined() = load_ranks();
+    auto& ranks = joined();  // lives longer than the copy
     if (own_rank() == 0) {
-        joined()->meet();
+        ranks = load_ranks();
+        ranks->meet();
         return out;
     }
+    // Before the ranks join: rank 0 does not yet wait for one that fails here.
     static const CopiedFolder copy(out);
-    joined()->meet();
+    ranks = load_ranks();
+    ranks->meet();
     return copy.path();
 }
 

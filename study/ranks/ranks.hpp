@@ -21,6 +21,8 @@ struct RankWork {
     std::function<void(const std::string&)> take;  // in the order of the items
     const std::atomic<bool>* stop = nullptr;       // asked by rank 0
     ResultsGo results = ResultsGo::kToAll;
+    // What else decides on the items, such as the rows that are there already. A rank on another machine may have another one.
+    std::string plan{};
 };
 
 class Ranks {
@@ -29,8 +31,11 @@ class Ranks {
     virtual std::size_t count() const = 0;
     // Returns once all ranks have come here.
     virtual void meet() = 0;
-    // Each rank calls it. False if it was stopped before the last item. Throws in each rank what a worker threw in any.
+    // Each rank calls it. False if it was stopped before the last item. Throws in each rank what a worker threw in any, or that one
+    // of them has other items.
     virtual bool run(const RankWork& work) = 0;
+    // This rank works no more because of `why`, which it answers to all that it is asked from here on.
+    virtual void fail(const std::string& why) = 0;
 };
 
 // As mpirun says; without it 1 rank, which is 0.
@@ -38,6 +43,8 @@ int rank_count();
 int own_rank();
 // At the start of a program: ranks but the first say nothing, and draw nothing.
 void quieten_other_ranks();
+// At its end, with its exit code: that for mpirun. A rank but the first that failed tells rank 0, or says on stderr why the job ends.
+int end_of_rank(int code);
 // Where a command writes, before it looks there. Under mpirun the ranks meet here: rank 0 gets `out`, each other rank a copy of that
 // folder's files, which goes when the program ends. Throws Error (usage) without the module.
 std::filesystem::path join_ranks(const std::filesystem::path& out);

@@ -113,6 +113,44 @@ TEST(SweepProgram, AMistakeUnderMpirunIsSaidOnce) {
     EXPECT_EQ(outcome.words.find(words), outcome.words.rfind(words));
 }
 
+// Two ranks, each with its own words, as on two machines that share nothing.
+Outcome on_two_machines(const std::vector<std::string>& first, const std::vector<std::string>& second) {
+    const auto program = built_programs() / "thimble";
+    std::vector<std::string> words = with_ranks(1, program, first);
+    words.insert(words.end(), {":", "-n", "1", program.string()});
+    words.insert(words.end(), second.begin(), second.end());
+    return run_to_end(kMpirun, words);
+}
+
+// Its items would be other rows.
+TEST(SweepProgram, ARankWithoutTheRowsThatAreThereRefuses) {
+    SKIP_WITHOUT_MPI();
+    const Folder folder;
+    const auto shared = folder / "shared", empty = folder / "empty";
+    ASSERT_EQ(run_thimble(sweep(map_words(shared, {}))).code, 0);
+    const std::string table = read_text(shared / "map.csv");
+    std::ofstream(shared / "map.csv") << table.substr(0, table.find('\n', table.size() / 2) + 1);
+    const Outcome outcome = on_two_machines(sweep(map_words(shared, {"--resume", "--block", "1"})),
+                                            sweep(map_words(empty, {"--resume", "--block", "1"})));
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.words, ContainsRegex("rank 1 on .* has 48 items of plan .*, rank 0 has 2. items"));
+}
+
+// Before the ranks have joined, and after.
+TEST(SweepProgram, ARankThatFailsAloneEndsTheJobAndIsNamed) {
+    SKIP_WITHOUT_MPI();
+    const Folder folder;
+    const auto full = folder / "full";
+    ASSERT_EQ(run_thimble(sweep(map_words(full, {}))).code, 0);
+    const Outcome before =
+        on_two_machines(sweep(map_words(folder / "map", {})), sweep({"--hand", "Z", "--out", "/nowhere"}));
+    EXPECT_EQ(before.code, 2);
+    EXPECT_THAT(before.words, ContainsRegex("rank 1 on .*--hand Z: there are A, B, C, D and E"));
+    const Outcome after = on_two_machines(sweep(map_words(folder / "map", {})), sweep(map_words(full, {})));
+    EXPECT_EQ(after.code, 1);
+    EXPECT_THAT(after.words, ContainsRegex("rank 1 on .*holds a map already"));
+}
+
 TEST(SweepProgram, WithoutItsModuleForRanksThimbleSaysSo) {
     const Folder folder;
     std::filesystem::copy(built_programs() / "thimble", folder / "thimble");
