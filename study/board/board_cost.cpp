@@ -44,7 +44,7 @@ std::vector<BoardCost> measure_costs(const BoardPlan& plan) {
     costs.reserve(plan.controllers.size() * plan.codecs.size());
     for (std::size_t row = 0; row < plan.rows(); row += plan.conditions.size()) {
         const BoardPlace place = place_of(plan, row);
-        if (place.controller.plugin) continue;  // it could crash here
+        if (!place.controller.plugin.empty()) continue;  // it could crash here
         BoardCost cost{place.controller.name, place.codec.name};
         const auto settings = possible_session(plan, place);
         if (!settings) continue;

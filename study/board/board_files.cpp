@@ -51,6 +51,7 @@ std::string text_of(const toml::table& table) {
 // name and about are ours, the rest is the session's.
 BoardEntry entry_of(const toml::table& table) {
     BoardEntry entry{table["name"].value_or(std::string()), table["about"].value_or(std::string()), {}};
+    entry.plugin = table["control"]["plugin"].value_or(std::string());
     toml::table keys = table;
     keys.erase("name");
     keys.erase("about");

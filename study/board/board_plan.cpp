@@ -7,12 +7,15 @@
 #include <fmt/ranges.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "session/settings/session_files.hpp"
 #include "study/board/session_fragments.hpp"
 #include "study/compensators/compensator_study.hpp"
 
 namespace thimble {
 namespace {
+
+constexpr const char* kNameCharacters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.";
 
 SystemSettings settings_of(const std::string& session, const std::string& name) {
     return read_system_settings(ConfigFile::parse(session, name));
@@ -63,13 +66,26 @@ std::filesystem::path board_folder() {
     return program_folder().parent_path() / "share" / "thimble" / "board";
 }
 
-BoardEntry plugin_entry(const std::filesystem::path& file) {
-    if (!std::filesystem::exists(file))
+void add_plugin(BoardPlan& plan, const std::filesystem::path& file) {
+    if (!std::filesystem::is_regular_file(file))
         throw Error(ExitCode::kUsage, "--plugin {}: there is no such file", file.string());
-    return {file.stem().string(), "a plug-in",
-            fmt::format("session.modalities = [\"HF\"]\ncontrol.plugin = '{}'\n",
-                        std::filesystem::absolute(file).string()),
-            true};
+    const std::string name = file.stem().string(), place = std::filesystem::absolute(file).string();
+    // The name is a field of tables, a word of --only and a part of file names.
+    if (name.find_first_not_of(kNameCharacters) != std::string::npos || place.find('\'') != std::string::npos)
+        throw Error(
+            ExitCode::kUsage,
+            "--plugin {}: rename the file: letters, digits, '-', '_' and '.' alone, and no \"'\" in its path",
+            file.string());
+    std::vector<std::string> known;
+    add_names(known, plan.controllers);
+    add_names(known, plan.codecs);
+    add_names(known, plan.conditions);
+    if (std::find(known.begin(), known.end(), name) != known.end())
+        throw Error(ExitCode::kUsage, "--plugin {}: the board has {} already: rename the file", file.string(),
+                    name);
+    plan.controllers.push_back({name, "a plug-in",
+                                fmt::format("session.modalities = [\"HF\"]\ncontrol.plugin = '{}'\n", place),
+                                place});
 }
 
 void keep_only(BoardPlan& plan, const std::vector<std::string>& names) {
@@ -92,7 +108,10 @@ std::string plan_text(const BoardPlan& plan) {
     const auto add = [&](const char* kind, const std::string& name, const std::string& keys) {
         text += fmt::format("\n# {} {}\n{}\n", kind, name, keys);
     };
-    for (const BoardEntry& entry : plan.controllers) add("controller", entry.name, entry.keys);
+    for (const BoardEntry& entry : plan.controllers) {
+        add("controller", entry.name, entry.keys);
+        if (!entry.plugin.empty()) text += fmt::format("# sha256 {}\n", sha256_of_file(entry.plugin));
+    }
     for (const BoardEntry& entry : plan.codecs) add("codec", entry.name, entry.keys);
     for (const BoardCondition& entry : plan.conditions) add("condition", entry.name, entry.keys);
     return text;
@@ -103,6 +122,7 @@ std::string row_session(const BoardPlan& plan, const BoardPlace& place, std::uin
     const std::array fragments{place.condition.keys, place.codec.keys, place.controller.keys,
                                fmt::format("session.seed = {}\nsession.subject = {}\n", plan.seed, subject)};
     const std::string plain = joined_fragments(fragments, name);
+    if (!place.controller.plugin.empty()) return plain;  // to read it loads the plug-in
     const std::array adapted{adapted_keys(settings_of(plain, name)), plain};
     return joined_fragments(adapted, name);
 }

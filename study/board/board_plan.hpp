@@ -16,8 +16,8 @@ namespace thimble {
 // A controller or a codec.
 struct BoardEntry {
     std::string name, about;
-    std::string keys;     // TOML
-    bool plugin = false;  // its code is not ours
+    std::string keys;      // TOML
+    std::string plugin{};  // its file; empty: it has none, and the code is ours
 };
 
 struct BoardCondition {
@@ -51,11 +51,11 @@ std::string row_name(const BoardPlace& place);
 std::filesystem::path board_folder();
 // All that the files in this folder name. Throws Error (usage) with the file and the key.
 BoardPlan read_board(const std::filesystem::path& folder);
-// A plug-in as a controller in HF, named as its file.
-BoardEntry plugin_entry(const std::filesystem::path& file);
+// A plug-in as a controller in HF, named as its file. Throws Error (usage) for a name that is there, or that is no file's name elsewhere.
+void add_plugin(BoardPlan& plan, const std::filesystem::path& file);
 // Removes entries that are not named. A kind stays whole if none of its entries is named. Throws Error (usage).
 void keep_only(BoardPlan& plan, const std::vector<std::string>& names);
-// The text that decides the table's bytes.
+// The text that decides the table's bytes. A plug-in is in it with its hash.
 std::string plan_text(const BoardPlan& plan);
 
 // The session file of a row, whose first trial is that of `subject`. `thimble run --clock virtual` runs it again.

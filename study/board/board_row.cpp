@@ -1,11 +1,13 @@
 #include "study/board/board_row.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <functional>
 #include <iterator>
 #include <numeric>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -14,11 +16,11 @@
 #include "common/error.hpp"
 #include "common/process/apart.hpp"
 #include "common/random.hpp"
+#include "study/board/session_fragments.hpp"
 
 namespace thimble {
 namespace {
 
-constexpr Duration kPluginPatience = std::chrono::minutes{2};  // for a row of a Python file's controller, too
 constexpr std::size_t kResamples = 1000;
 constexpr std::uint32_t kBootstrapStream = 32;  // in the place of an experiment's number
 
@@ -40,7 +42,7 @@ BoardValue bootstrapped(const std::vector<double>& values, std::uint64_t seed) {
         mean /= static_cast<double>(values.size());
     }
     std::sort(means.begin(), means.end());
-    const auto tail = static_cast<std::size_t>(0.5 * (1 - kBoardConfidence) * kResamples);
+    const auto tail = static_cast<std::size_t>(std::lround(0.5 * (1 - kBoardConfidence) * kResamples));
     value.low = means[tail];
     value.high = means[kResamples - 1 - tail];
     return value;
@@ -60,46 +62,52 @@ std::string as_field(std::string text) {
     return text;
 }
 
-// Of a row, as it comes back from a process of its own.
-struct Outcome {
-    std::array<BoardValue, kBoardMeasures> values{};
-    std::uint32_t trials = 0, subject = 0;
-};
+SystemSettings settings_of(const BoardPlan& plan, const BoardPlace& place) {
+    return read_system_settings(ConfigFile::parse(row_session(plan, place), row_name(place)));
+}
+
+// A plug-in is loaded and runs in a process of its own, because it may crash, hang or end the program.
+BoardTrial plugin_trial(const BoardPlan& plan, const BoardPlace& place, std::uint32_t subject) {
+    const ApartResult apart =
+        run_apart([&] { return bytes_of(run_board_trial(settings_of(plan, place), plan.seed, subject)); });
+    if (!apart.bytes) throw Error(ExitCode::kRunFailed, "{}", apart.failure);
+    std::string_view bytes = *apart.bytes;
+    return take_plain<BoardTrial>(bytes);
+}
 
 void run_trials_of(const BoardPlan& plan, const BoardPlace& place, BoardRow& row) {
-    const std::string session = row_session(plan, place);
-    const SystemSettings settings = read_system_settings(ConfigFile::parse(session, row_name(place)));
+    std::optional<SystemSettings> own;
+    if (place.controller.plugin.empty()) own = settings_of(plan, place);
     std::vector<BoardTrial> trials;
     trials.reserve(plan.trials);
     for (std::uint32_t subject = 1; subject <= plan.trials; ++subject) {
-        trials.push_back(run_board_trial(settings, plan.seed, subject));
+        trials.push_back(own ? run_board_trial(*own, plan.seed, subject)
+                             : plugin_trial(plan, place, subject));
         const bool bad = !trials.back().completed || trials.back().values[kOscillating] > 0;
         if (bad && row.subject == 0) row.subject = subject;
     }
     condense(trials, plan.seed, row);
 }
 
-// A plug-in is loaded and runs in a process of its own, because it may crash, hang or end the program.
-void run_plugin_apart(const BoardPlan& plan, const BoardPlace& place, BoardRow& row) {
-    const ApartResult apart = run_apart(
-        [&] {
-            run_trials_of(plan, place, row);
-            return bytes_of(Outcome{row.values, row.trials, row.subject});
-        },
-        kPluginPatience);
-    if (!apart.bytes) throw Error(ExitCode::kRunFailed, "{}", apart.failure);
-    std::string_view bytes = *apart.bytes;
-    const auto outcome = take_plain<Outcome>(bytes);
-    row.values = outcome.values;
-    row.trials = outcome.trials;
-    row.subject = outcome.subject;
+// Wave variables with a codec. Each entry alone is a session.
+bool exclude_each_other(const BoardPlace& place) {
+    const auto settings_with = [&](const BoardEntry& entry) {
+        const std::array fragments{place.condition.keys, entry.keys};
+        const std::string name = row_name(place);
+        return read_system_settings(ConfigFile::parse(joined_fragments(fragments, name), name));
+    };
+    try {
+        return settings_with(place.controller).master.control.compensator == Compensator::kWave &&
+               settings_with(place.codec).slave.codec.used();
+    } catch (const Error&) {
+        return false;
+    }
 }
 
-// Why a row has no measures. A refused session cannot be: wave variables with a codec, for instance.
-std::string reason_of(const std::exception& failure, bool plugin) {
-    const auto* const error = dynamic_cast<const Error*>(&failure);
-    const bool refused = !plugin && error != nullptr && error->code() == ExitCode::kUsage;
-    return as_field((refused ? std::string(kNotPossible) : std::string()) + failure.what());
+// Why a row has no measures.
+std::string reason_of(const std::exception& failure, const BoardPlace& place) {
+    const bool impossible = place.controller.plugin.empty() && exclude_each_other(place);
+    return as_field((impossible ? std::string(kNotPossible) : std::string()) + failure.what());
 }
 
 }  // namespace
@@ -131,10 +139,10 @@ BoardRow run_board_row(const BoardPlan& plan, std::size_t number) {
     row.loss = place.condition.loss;
     const BoardRow empty = row;
     try {
-        (place.controller.plugin ? run_plugin_apart : run_trials_of)(plan, place, row);
+        run_trials_of(plan, place, row);
     } catch (const std::exception& failure) {
         row = empty;
-        row.status = reason_of(failure, place.controller.plugin);
+        row.status = reason_of(failure, place);
     }
     return row;
 }

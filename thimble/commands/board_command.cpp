@@ -1,5 +1,7 @@
 // thimble board: controllers and codecs, built in or plugged in, in one table.
+#include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,7 +39,7 @@ BoardPlan plan_of(const BoardArguments& a) {
     BoardPlan plan = read_board(board_folder());
     plan.seed = a.seed;
     if (a.quick) plan.trials = kQuickTrials;
-    for (const std::string& file : a.plugins) plan.controllers.push_back(plugin_entry(file));
+    for (const std::string& file : a.plugins) add_plugin(plan, file);
     keep_only(plan, a.only);
     return plan;
 }
@@ -79,7 +81,12 @@ void enter_sandbox_of(const BoardArguments& a) {
     if (!a.sandbox || in_sandbox()) return;
     if (const std::string why = why_no_sandbox(); !why.empty())
         throw Error(ExitCode::kUsage, "--sandbox: {}", why);
-    enter_sandbox({a.out});
+    std::vector<std::string> files = a.plugins;
+    if (!a.check.empty()) files.push_back(a.check);
+    std::vector<std::filesystem::path> folders(files.size());
+    std::transform(files.begin(), files.end(), folders.begin(),
+                   [](const std::string& file) { return std::filesystem::absolute(file).parent_path(); });
+    enter_sandbox({a.out}, folders);
 }
 
 int board(const BoardArguments& a) {
@@ -115,7 +122,9 @@ void add_options(CLI::App& sub, BoardArguments& a) {
                        "does this controller keep the rules of thimble/controller.h? No board")
             ->type_name("FILE");
     sub.add_flag("--json", a.json, "the findings of --check as JSON")->needs(checked);
-    sub.add_flag("--sandbox", a.sandbox, "run inside bubblewrap: plug-ins write in the output folder alone");
+    sub.add_flag(
+        "--sandbox", a.sandbox,
+        "run inside bubblewrap: plug-ins write in the output folder alone, without network, /run and /tmp");
     sub.add_option("--only", a.only, "these controllers, codecs and conditions alone, e.g. HF,wave,50ms")
         ->delimiter(',')
         ->allow_extra_args(false)

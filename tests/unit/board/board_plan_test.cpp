@@ -2,6 +2,7 @@
 #include "study/board/board_plan.hpp"
 
 #include <array>
+#include <fstream>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -10,6 +11,7 @@
 #include "common/error.hpp"
 #include "study/board/board_row.hpp"
 #include "study/board/session_fragments.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble {
 namespace {
@@ -80,8 +82,48 @@ TEST(BoardRows, AContestantThatCannotRunIsARowWithItsReason) {
     EXPECT_EQ(run_board_row(plan, 0).status, "ok");
     const BoardRow row = run_board_row(plan, 1);
     EXPECT_EQ(row.trials, 0U);
+    EXPECT_TRUE(row.possible()) << "a mistake in an entry is a failure";
     EXPECT_THAT(row.status, HasSubstr("control.compensator"));
     EXPECT_EQ(row.status.find_first_of(",\n\""), std::string::npos);
+}
+
+TEST(BoardRows, WaveVariablesWithACodecAreNotPossible) {
+    const BoardPlan plan = board_of({"wave", "deadband", "0ms"});
+    EXPECT_FALSE(run_board_row(plan, 0).possible());
+}
+
+// Another file under the same name is another board.
+TEST(BoardPlan, APluginStandsForItsContentAndHasANameOfItsOwn) {
+    const TemporaryDirectory folder;
+    BoardPlan plan = board_of({"HF"});
+    std::ofstream(folder / "mine.so") << "one";
+    add_plugin(plan, folder / "mine.so");
+    const std::string before = plan_text(plan);
+    std::ofstream(folder / "mine.so") << "two";
+    EXPECT_NE(plan_text(plan), before);
+    const auto refused = [&](const char* name) {
+        std::ofstream(folder / name) << "x";
+        try {
+            add_plugin(plan, folder / name);
+        } catch (const Error& error) {
+            return error.code() == ExitCode::kUsage;
+        }
+        return false;
+    };
+    EXPECT_TRUE(refused("mine.py")) << "the name is there";
+    EXPECT_TRUE(refused("HF.so"));
+    EXPECT_TRUE(refused("a,b.so"));
+    EXPECT_TRUE(refused("a b.so"));
+    EXPECT_FALSE(refused("a-b_c.2.so"));
+}
+
+// No file of the plug-in is opened where its session is only written.
+TEST(BoardPlan, ASessionOfAPluginIsWrittenWithoutLoadingIt) {
+    const TemporaryDirectory folder;
+    BoardPlan plan = board_of({"HF", "every-sample", "0ms"});
+    std::ofstream(folder / "mine.so") << "no library";
+    add_plugin(plan, folder / "mine.so");
+    EXPECT_THAT(row_session(plan, place_of(plan, 1)), HasSubstr("mine.so"));
 }
 
 }  // namespace
