@@ -1,7 +1,6 @@
 #include "common/process/sandbox.hpp"
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -14,7 +13,8 @@
 namespace thimble {
 namespace {
 
-constexpr const char* kInside = "THIMBLE_SANDBOX";
+// Only the inside has it: /run is bwrap's own there.
+constexpr const char* kInside = "/run/thimble-sandbox";
 
 std::vector<std::string> own_command() {
     std::ifstream file("/proc/self/cmdline", std::ios::binary);
@@ -25,13 +25,43 @@ std::vector<std::string> own_command() {
     return words;
 }
 
+// The sockets of most other programs lie in /run and /tmp: a file that may only be read still connects.
 std::vector<std::string> walls() {
-    return {"--ro-bind", "/", "/", "--dev", "/dev", "--proc", "/proc", "--unshare-all", "--die-with-parent"};
+    return {"--ro-bind",
+            "/",
+            "/",
+            "--dev",
+            "/dev",
+            "--proc",
+            "/proc",
+            "--tmpfs",
+            "/run",
+            "--tmpfs",
+            "/tmp",
+            "--dir",
+            kInside,
+            "--unshare-all",
+            "--new-session",
+            "--die-with-parent"};
+}
+
+std::filesystem::path full(const std::filesystem::path& folder) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(folder));
+}
+
+void mount(std::vector<std::string>& words, const char* how, const std::string& place) {
+    words.insert(words.end(), {how, place, place});
+}
+
+// Back into the empty /run and /tmp. The rest is visible anyhow.
+void show(std::vector<std::string>& words, const std::filesystem::path& folder) {
+    const std::string place = full(folder).string();
+    if (place.starts_with("/run/") || place.starts_with("/tmp/")) mount(words, "--ro-bind", place);
 }
 
 }  // namespace
 
-bool in_sandbox() { return std::getenv(kInside) != nullptr; }
+bool in_sandbox() { return std::filesystem::is_directory(kInside); }
 
 std::string why_no_sandbox() {
     if (in_sandbox()) return {};
@@ -45,15 +75,25 @@ std::string why_no_sandbox() {
     }
 }
 
-void enter_sandbox(const std::vector<std::filesystem::path>& writable) {
+void enter_sandbox(const std::vector<std::filesystem::path>& writable,
+                   const std::vector<std::filesystem::path>& readable) {
     if (in_sandbox()) return;
     std::vector<std::string> words = walls();
+    show(words, std::filesystem::current_path());
+    show(words, std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path());
+    for (const std::filesystem::path& folder : readable) {
+        if (full(folder) == "/tmp" || full(folder) == "/run")
+            throw Error(
+                ExitCode::kUsage,
+                "--sandbox: a plug-in lies in {} itself, which the sandbox hides: move it into a folder",
+                full(folder).string());
+        show(words, folder);
+    }
     for (const std::filesystem::path& folder : writable) {
         std::filesystem::create_directories(folder);
-        const std::string place = std::filesystem::absolute(folder).string();
-        words.insert(words.end(), {"--bind", place, place});
+        mount(words, "--bind", full(folder).string());
     }
-    words.insert(words.end(), {"--setenv", kInside, "1", "--"});
+    words.emplace_back("--");
     const std::vector<std::string> command = own_command();
     words.insert(words.end(), command.begin(), command.end());
     std::vector<char*> arguments;

@@ -17,6 +17,7 @@
 #include "study/board/board_row.hpp"
 #include "study/compensators/compensator_study.hpp"
 #include "study/with_compensator.hpp"
+#include "tests/read_text.hpp"
 #include "tests/refusal.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"
@@ -184,19 +185,31 @@ TEST(Sandbox, TheSameCommandRunsInsideAndWritesWhereItMay) {
     constexpr const char* kFolder = "THIMBLE_TEST_FOLDER";
     if (in_sandbox()) {
         const std::filesystem::path folder(std::getenv(kFolder));
-        write_text(folder.parent_path() / "elsewhere", "no");
-        if (!std::filesystem::exists(folder.parent_path() / "elsewhere"))
-            write_text(folder / "inside", "yes");
+        std::string seen = std::filesystem::exists(std::getenv("THIMBLE_TEST_HIDDEN")) ? "" : "yes";
+        if (!std::filesystem::exists(folder / "../shown/file")) seen = "no plug-in";
+        std::ofstream(folder / "../elsewhere") << "no";
+        std::ofstream(folder / "../shown/file2") << "no";
+        write_text(folder / "inside", seen);
         return;
     }
     if (const std::string why = why_no_sandbox(); !why.empty()) GTEST_SKIP() << "package bubblewrap: " << why;
     const TemporaryDirectory folder;
     setenv(kFolder, (folder / "out").c_str(), 1);
+    setenv("THIMBLE_SANDBOX", "1", 1);  // a variable of the environment opens nothing
+    std::filesystem::create_directory(folder / "shown");
+    write_text(folder / "shown/file", "");
+    std::string hidden = "/tmp/thimble-hidden-XXXXXX";
+    close(mkstemp(hidden.data()));
+    setenv("THIMBLE_TEST_HIDDEN", hidden.c_str(), 1);
     run_apart([&]() -> std::string {
-        enter_sandbox({folder / "out"});
+        enter_sandbox({folder / "out"}, {folder / "shown"});
         return {};
     });
-    EXPECT_TRUE(std::filesystem::exists(folder / "out" / "inside"));
+    std::filesystem::remove(hidden);
+    EXPECT_EQ(read_text(folder / "out" / "inside"), "yes");
+    EXPECT_FALSE(std::filesystem::exists(folder / "elsewhere"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "shown/file2"));
+    EXPECT_THROW(enter_sandbox({folder / "out"}, {"/tmp"}), Error);
 }
 
 // The example in Python is the one in C, but for the order of rounding.
