@@ -18,7 +18,7 @@ Device& given_or(Device* given, Simulated& simulated) {
 }
 
 // All that a trial of virtual time records. No peer is lost in it, and only the settings change the network. The plug-in's values that
-// are no numbers come last, in words: nobody reads the log of a copy.
+// are no numbers come last, as words: the log of a copy is lost.
 std::string bytes_of_trial(const SystemSettings& settings, const TrialConditions& conditions) {
     VirtualSession session(settings);
     const TrialRecord& record = session.run(conditions);
