@@ -21,7 +21,7 @@ struct RankWork {
     std::function<void(const std::string&)> take;  // in the order of the items
     const std::atomic<bool>* stop = nullptr;       // asked by rank 0
     ResultsGo results = ResultsGo::kToAll;
-    // What else decides on the items, such as the rows that are there already. A rank on another machine may have another one.
+    // Text of all else that decides on the items, such as the rows that are there already. Another machine may have another one.
     std::string plan{};
 };
 
