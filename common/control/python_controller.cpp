@@ -7,6 +7,7 @@
 #include <list>
 #include <mutex>
 #include <optional>
+#include <poll.h>
 #include <spawn.h>
 #include <string>
 #include <sys/socket.h>
@@ -84,7 +85,7 @@ class PythonChild {
         if (pid_ <= 0) return;
         for (int i = 0; i < kMostMillisecondsToEnd; ++i) {
             if (waitpid(pid_, nullptr, WNOHANG) != 0) return;
-            usleep(1000);
+            poll(nullptr, 0, 1);
         }
         kill(pid_, SIGKILL);
         while (waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <memory>
+#include <poll.h>
 #include <sys/mman.h>
 #include <system_error>
-#include <thread>
 #include <unistd.h>
 
 #include "analysis/text/gnuplot.hpp"
@@ -19,6 +18,8 @@
 
 namespace thimble {
 namespace {
+
+constexpr int kOthersSpeak_ms = 2000;
 
 namespace fs = std::filesystem;
 
@@ -117,7 +118,7 @@ int end_of_rank(int code) {
         return 0;
     }
     // Most mistakes are those of each rank. Rank 0 then says them, and mpirun ends this one meanwhile.
-    std::this_thread::sleep_for(std::chrono::seconds(2));
+    poll(nullptr, 0, kOthersSpeak_ms);
     dprintf(own_stderr(), "%s\n", why.c_str());
     return code;
 }
