@@ -106,9 +106,9 @@ class NetemProcess final : public NodeProcess {
 
     static void take(SessionTime now, Relay& relay, SharedMessage& shared) {
         if (!relay.model.only_delays(now)) return relay.model.push(now, relay.from->pool()->bytes_of(shared));
-        const auto address = reinterpret_cast<std::uintptr_t>(&shared);
+        const SharedMessage* const address = &shared;
         ++shared.users;
-        relay.model.push(now, {reinterpret_cast<const std::uint8_t*>(&address), sizeof address}, kHandedOver);
+        relay.model.push(now, {reinterpret_cast<const std::uint8_t*>(&address), sizeof(void*)}, kHandedOver);
     }
 
     static void send_due(SessionTime now, Relay& relay) {
@@ -122,9 +122,9 @@ class NetemProcess final : public NodeProcess {
     }
 
     static SharedMessage& message_in(Packet& packet) {
-        std::uintptr_t address = 0;
-        std::memcpy(&address, packet.data(), sizeof address);
-        return *reinterpret_cast<SharedMessage*>(address);
+        SharedMessage* shared = nullptr;
+        std::memcpy(&shared, packet.data(), sizeof(void*));
+        return *shared;
     }
 
     static void pass_on(Relay& relay, Packet& packet) {

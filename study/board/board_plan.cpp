@@ -121,7 +121,7 @@ std::string row_session(const BoardPlan& plan, const BoardPlace& place, std::uin
     const std::string name = row_name(place);
     const std::array fragments{place.condition.keys, place.codec.keys, place.controller.keys,
                                fmt::format("session.seed = {}\nsession.subject = {}\n", plan.seed, subject)};
-    const std::string plain = joined_fragments(fragments, name);
+    std::string plain = joined_fragments(fragments, name);
     if (!place.controller.plugin.empty()) return plain;  // to read it loads the plug-in
     const std::array adapted{adapted_keys(settings_of(plain, name)), plain};
     return joined_fragments(adapted, name);
