@@ -15,46 +15,30 @@
 
 #include "common/control/age_estimate.hpp"
 #include "common/control/built_in_controllers.hpp"
-#include "common/control/local_fixture.hpp"
+#include "common/control/local_fixture_end.hpp"
 
 namespace thimble {
 namespace {
 
-class AdaptiveFixtureEnd {
+class AdaptiveFixtureEnd : public LocalFixtureEnd {
   public:
     explicit AdaptiveFixtureEnd(const thimble_controller_settings& s)
-        : settings_(s),
-          local_{s.values[0],      s.values[1],
-                 s.values[2],      LocalFixtureSettings{}.span_m,
-                 s.values[3],      LocalFixtureSettings{}.lost_m,
-                 s.sample_period_s},
-          fixture_(local_) {}
+        : LocalFixtureEnd(s), local_(local_fixture_of(s)) {}
     void start(double delay_s) {
+        LocalFixtureEnd::start(delay_s);
         age_.start(delay_s);
-        fixture_.reset();
         fixture_.adapt(local_.memory, local_.shift_m_per_s);
-        position_hand_m_ = 0;
-    }
-    void sample(const thimble_handle& handle, thimble_packet& /*out*/) {
-        position_hand_m_ = handle.position_hand_m;
     }
     void receive(const thimble_feedback& feedback) {
         age_.add(feedback.age_s);
         const double spread = 1 + age_.jitter_s() / settings_.sample_period_s;
         fixture_.adapt(local_.memory * spread, local_.shift_m_per_s / spread);
-        fixture_.learn(feedback.position_hand_m, feedback.force_fixture_hand_N);
-    }
-    void forget() { fixture_.reset(); }
-    double force_N(const thimble_feedback& newest) {
-        return limited_N(newest.force_tissue_hand_N, settings_) + fixture_.force_N(position_hand_m_);
+        LocalFixtureEnd::receive(feedback);
     }
 
   private:
-    thimble_controller_settings settings_;
     LocalFixtureSettings local_;
-    LocalFixture fixture_;
     AgeEstimate age_;
-    double position_hand_m_ = 0;
 };
 
 class PredictedShareEnd {
@@ -93,12 +77,6 @@ class PredictedShareEnd {
     AgeEstimate age_;
 };
 
-constexpr std::array kAdaptiveFixtureKeys{
-    thimble_controller_key{"local_stiffness_N_per_m", 3000, 1, 1e6, "At the hand, before it is learnt."},
-    thimble_controller_key{"local_stiffest_N_per_m", 9000, 1, 1e6, "Never stiffer."},
-    thimble_controller_key{"local_memory_samples", 200, 1, 1e6,
-                           "Samples after which a contact is forgotten."},
-    thimble_controller_key{"local_shift_m_per_s", 0.02, 1e-4, 10, "How fast the plane may move."}};
 constexpr std::array kShareKeys{
     thimble_controller_key{"predicted_damping_Ns_per_m", 15, 0, 1000,
                            "Damping that hand and handle are certain to have."},
@@ -106,22 +84,10 @@ constexpr std::array kShareKeys{
                            "Of the fixture at the hand, before it is learnt."},
     thimble_controller_key{"predicted_margin", 0.8, 0, 1, "Of the largest share that is stable."}};
 
-thimble_controller adaptive_fixture_table() {
-    thimble_controller table{};
-    table.name = "adaptive-fixture";
-    table.source = "Mitra and Niemeyer 2008; RFC 3550";
-    table.keys = kAdaptiveFixtureKeys.data();
-    table.key_count = static_cast<std::uint32_t>(kAdaptiveFixtureKeys.size());
-    return with_memory<AdaptiveFixtureEnd>(with_handle<AdaptiveFixtureEnd>(table));
-}
-
 thimble_controller predicted_share_table() {
-    thimble_controller table{};
-    table.name = "predicted-share";
-    table.source = "Prattichizzo, Pacchierotti and Rosati 2012, future work";
-    table.capabilities = THIMBLE_AT_ONCE;
-    table.keys = kShareKeys.data();
-    table.key_count = static_cast<std::uint32_t>(kShareKeys.size());
+    thimble_controller table =
+        named("predicted-share", "Prattichizzo, Pacchierotti and Rosati 2012, future work", kShareKeys,
+              THIMBLE_AT_ONCE);
     table.hand_share = [](const thimble_controller_settings*) { return 0.0; };
     return with_memory<PredictedShareEnd>(with_handle<PredictedShareEnd>(table));
 }
@@ -129,7 +95,8 @@ thimble_controller predicted_share_table() {
 }  // namespace
 
 const thimble_controller& adaptive_fixture_controller() {
-    static const thimble_controller kTable = adaptive_fixture_table();
+    static const thimble_controller kTable = with_memory<AdaptiveFixtureEnd>(with_handle<AdaptiveFixtureEnd>(
+        named("adaptive-fixture", "Mitra and Niemeyer 2008; RFC 3550", kLocalFixtureKeys)));
     return kTable;
 }
 

@@ -29,6 +29,23 @@ const thimble_controller& adaptive_fixture_controller();
 const thimble_controller& predicted_share_controller();
 const thimble_controller& four_channel_controller();
 
+// A key that several have.
+inline constexpr thimble_controller_key kMostDamping{"most_damping_Ns_per_m", 250, 0, 10000,
+                                                     "The controller's most damping."};
+
+// A table without its functions.
+template <class Keys>
+thimble_controller named(const char* name, const char* source, const Keys& keys,
+                         std::uint32_t capabilities = 0) {
+    thimble_controller table{};
+    table.name = name;
+    table.source = source;
+    table.keys = keys.data();
+    table.key_count = static_cast<std::uint32_t>(keys.size());
+    table.capabilities = capabilities;
+    return table;
+}
+
 // The functions of a table, made of a class that is made from settings. Exceptions end at the table, as the interface asks.
 template <class End>
 struct ControllerFunctions {

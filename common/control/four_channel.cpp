@@ -16,54 +16,26 @@
 #include <cmath>
 
 #include "common/control/built_in_controllers.hpp"
-#include "common/control/local_fixture.hpp"
+#include "common/control/local_fixture_end.hpp"
 
 namespace thimble {
 namespace {
 
-enum FourChannelKey { kStiffness, kStiffest, kMemory, kShift, kCoupling };
-
-LocalFixtureSettings model_of(const thimble_controller_settings& s) {
-    LocalFixtureSettings local;
-    local.stiffness_N_per_m = s.values[kStiffness];
-    local.stiffest_N_per_m = s.values[kStiffest];
-    local.memory = s.values[kMemory];
-    local.shift_m_per_s = s.values[kShift];
-    local.sample_period_s = s.sample_period_s;
-    return local;
-}
-
-class FourChannelHandle {
+class FourChannelHandle : public LocalFixtureEnd {
   public:
-    explicit FourChannelHandle(const thimble_controller_settings& s) : settings_(s), fixture_(model_of(s)) {}
-    void start(double /*delay_s*/) {
-        fixture_.reset();
-        position_hand_m_ = 0;
-    }
+    using LocalFixtureEnd::LocalFixtureEnd;
     void sample(const thimble_handle& handle, thimble_packet& out) {
-        position_hand_m_ = handle.position_hand_m;
+        LocalFixtureEnd::sample(handle, out);
         out.value[0] = handle.force_hand_N;
         out.count = 1;
     }
-    void receive(const thimble_feedback& feedback) {
-        fixture_.learn(feedback.position_hand_m, feedback.force_fixture_hand_N);
-    }
     void hear(const thimble_packet& /*packet*/) {}
-    void forget() { fixture_.reset(); }
-    double force_N(const thimble_feedback& newest) {
-        return limited_N(newest.force_tissue_hand_N, settings_) + fixture_.force_N(position_hand_m_);
-    }
-
-  private:
-    thimble_controller_settings settings_;
-    LocalFixture fixture_;
-    double position_hand_m_ = 0;
 };
 
 class FourChannelSlave {
   public:
     explicit FourChannelSlave(const thimble_controller_settings& s)
-        : settings_(s), coupling_N_per_m_(s.values[kCoupling]) {}
+        : settings_(s), coupling_N_per_m_(s.values[kLocalFixtureKeys.size()]) {}
     void start() { force_hand_N_ = position_hand_m_ = 0; }
     std::uint32_t receive(const thimble_command& command, const thimble_packet& packet) {
         if (command.newer == 0) return 0;
@@ -89,29 +61,17 @@ class FourChannelSlave {
     double position_hand_m_ = 0, force_hand_N_ = 0;  // of the master's sample
 };
 
-constexpr std::array kKeys{
-    thimble_controller_key{"local_stiffness_N_per_m", 3000, 1, 1e6, "At the hand, before it is learnt."},
-    thimble_controller_key{"local_stiffest_N_per_m", 9000, 1, 1e6, "Never stiffer."},
-    thimble_controller_key{"local_memory_samples", 200, 1, 1e6,
-                           "Samples after which a contact is forgotten."},
-    thimble_controller_key{"local_shift_m_per_s", 0.02, 1e-4, 10, "How fast the plane may move."},
+constexpr std::array kFourChannelKeys{
+    kLocalFixtureKeys[0], kLocalFixtureKeys[1], kLocalFixtureKeys[2], kLocalFixtureKeys[3],
     thimble_controller_key{"coupling_N_per_m", 20000, 100, 1e6,
                            "How far the needle leaves the hand for a difference of their forces."}};
-
-thimble_controller made() {
-    thimble_controller table{};
-    table.name = "four-channel";
-    table.source = "Lawrence 1993; Mitra and Niemeyer 2008";
-    table.keys = kKeys.data();
-    table.key_count = static_cast<std::uint32_t>(kKeys.size());
-    return with_slave<FourChannelSlave>(with_packets<FourChannelHandle>(
-        with_memory<FourChannelHandle>(with_handle<FourChannelHandle>(table))));
-}
 
 }  // namespace
 
 const thimble_controller& four_channel_controller() {
-    static const thimble_controller kTable = made();
+    static const thimble_controller kTable = with_slave<FourChannelSlave>(
+        with_packets<FourChannelHandle>(with_memory<FourChannelHandle>(with_handle<FourChannelHandle>(
+            named("four-channel", "Lawrence 1993; Mitra and Niemeyer 2008", kFourChannelKeys)))));
     return kTable;
 }
 

@@ -160,28 +160,14 @@ constexpr std::array kWaveKeys{
     thimble_controller_key{"wave_repeats", 3, 0, 7, "Earlier waves that each packet repeats."},
     thimble_controller_key{"wave_jitter_s", 2e-3, 0, 1,
                            "How much longer than the network the play-out waits."}};
-constexpr std::array kTwoPortKeys{
-    thimble_controller_key{"most_damping_Ns_per_m", 250, 0, 10000, "The controller's most damping."}};
+constexpr std::array kTwoPortKeys{kMostDamping};
 
 thimble_controller wave_table() {
-    thimble_controller table{};
-    table.name = "wave";
-    table.source = "Niemeyer and Slotine 1991";
-    table.keys = kWaveKeys.data();
-    table.key_count = static_cast<std::uint32_t>(kWaveKeys.size());
+    thimble_controller table = named("wave", "Niemeyer and Slotine 1991", kWaveKeys);
     table.network_changed = [](void* self, double delay_s) {
         ControllerFunctions<WaveHandle>::of(self).network_changed(delay_s);
     };
     return with_slave<WaveSlaveEnd>(with_packets<WaveHandle>(with_handle<WaveHandle>(table)));
-}
-
-thimble_controller two_port_table() {
-    thimble_controller table{};
-    table.name = "two-port";
-    table.source = "Ryu, Artigas and Preusche 2010";
-    table.keys = kTwoPortKeys.data();
-    table.key_count = static_cast<std::uint32_t>(kTwoPortKeys.size());
-    return with_slave<TwoPortSlaveEnd>(with_packets<TwoPortHandle>(with_handle<TwoPortHandle>(table)));
 }
 
 }  // namespace
@@ -192,7 +178,8 @@ const thimble_controller& wave_controller() {
 }
 
 const thimble_controller& two_port_controller() {
-    static const thimble_controller kTable = two_port_table();
+    static const thimble_controller kTable = with_slave<TwoPortSlaveEnd>(with_packets<TwoPortHandle>(
+        with_handle<TwoPortHandle>(named("two-port", "Ryu, Artigas and Preusche 2010", kTwoPortKeys))));
     return kTable;
 }
 
