@@ -10,10 +10,10 @@
 
 #include "common/error.hpp"
 #include "common/process/apart.hpp"
-#include "session/records/condition_summary.hpp"
 #include "session/records/metrics.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/virtual/virtual_session.hpp"
+#include "study/compensators/hand_record.hpp"
 #include "study/loop_limits.hpp"
 #include "study/study.hpp"
 #include "study/with_compensator.hpp"
@@ -22,37 +22,6 @@
 namespace thimble {
 namespace {
 
-// The hand itself, which no record holds.
-struct HandSample {
-    double time_s, position_hand_m, force_hand_N, position_needle_m;
-};
-
-// The results of a trial, in plain numbers.
-struct Outcome {
-    TrialMetrics metrics;
-    bool completed = false;
-    double rendered_stiffness = TrialMetrics::kNone;
-    double drift_needle_m = TrialMetrics::kNone;
-};
-
-// From the end of arriving to the beep, or to the end of a trial without one.
-void measure_hand(const std::vector<HandSample>& samples, const TrialRecord& record, const SystemSettings& s,
-                  Outcome& outcome) {
-    const double from_s = outcome.metrics.first_contact_time_s + kHoldSettling_s;
-    const double surface_hand_m = record.conditions.fixture_position_m / s.master.position_scale;
-    double force_N = 0, depth_m = 0, drift_m = 0, count = 0;
-    for (const HandSample& sample : samples) {
-        if (!(sample.time_s >= from_s) || sample.time_s > record.beep_time_s) continue;
-        force_N += sample.force_hand_N;
-        depth_m += sample.position_hand_m - surface_hand_m;
-        drift_m += std::fabs(s.master.position_scale * sample.position_hand_m - sample.position_needle_m);
-        ++count;
-    }
-    if (count == 0) return;
-    outcome.drift_needle_m = drift_m / count;
-    if (depth_m > 0) outcome.rendered_stiffness = force_N / depth_m / true_stiffness_hand_N_per_m(s);
-}
-
 // Waves have to wait for the jitter too; everything else takes what comes.
 ControlSettings control_over(const CompensatorNetwork& network, ControlSettings control) {
     control.jitter += 2 * from_seconds(network.jitter_spread_s);
@@ -60,27 +29,27 @@ ControlSettings control_over(const CompensatorNetwork& network, ControlSettings 
 }
 
 // `words`: of a plug-in's values that are no numbers.
-Outcome outcome_of(const SystemSettings& settings, const TrialConditions& conditions, std::string& words) {
+CompensatorOutcome outcome_of(const SystemSettings& settings, const TrialConditions& conditions,
+                              std::string& words) {
     VirtualSession session(settings);
-    std::vector<HandSample> samples;
-    session.session().set_sample_hook([&](const TrajectorySample& sample) {
-        samples.push_back({sample.time_s, session.handle().position_hand_m(), session.handle().force_hand_N(),
-                           sample.position_needle_m});
-    });
+    HandRecord hand;
+    session.session().set_sample_hook([&](const TrajectorySample& sample) { hand.add(session, sample); });
     const TrialRecord& record = session.run(conditions);
-    Outcome outcome;
+    CompensatorOutcome outcome;
     outcome.metrics = measure(record);
     outcome.completed = record.reason == EndReason::kCompleted && outcome.metrics.beeped;
-    measure_hand(samples, record, settings, outcome);
+    const HandMeasures felt = hand.measured(record, outcome.metrics, settings);
+    outcome.rendered_stiffness = felt.rendered_stiffness;
+    outcome.drift_needle_m = felt.drift_needle_m;
     words = plugin_text(session);
     return outcome;
 }
 
 // A plug-in that fails costs this trial, which then did not complete.
-Outcome plugin_outcome(const SystemSettings& settings, const TrialConditions& conditions) {
+CompensatorOutcome plugin_outcome(const SystemSettings& settings, const TrialConditions& conditions) {
     const ApartResult apart = run_apart([&] {
         std::string words;
-        const Outcome outcome = outcome_of(settings, conditions, words);
+        const CompensatorOutcome outcome = outcome_of(settings, conditions, words);
         return bytes_of(outcome) + words;
     });
     if (!apart.bytes) {
@@ -88,7 +57,7 @@ Outcome plugin_outcome(const SystemSettings& settings, const TrialConditions& co
         return {};
     }
     std::string_view bytes = *apart.bytes;
-    const auto outcome = take_plain<Outcome>(bytes);
+    const auto outcome = take_plain<CompensatorOutcome>(bytes);
     if (!bytes.empty()) spdlog::warn("trial {}: {}", conditions.trial, bytes);
     return outcome;
 }
@@ -100,12 +69,8 @@ void run_trial(const SystemSettings& settings, const CompensatorCondition& condi
     const SystemSettings with = with_control(over_network(settings, trial.network), control);
     const bool plugin = control.compensator == Compensator::kPlugin;
     std::string none;
-    const Outcome outcome =
+    static_cast<CompensatorOutcome&>(trial) =
         plugin ? plugin_outcome(with, trial.conditions) : outcome_of(with, trial.conditions, none);
-    trial.metrics = outcome.metrics;
-    trial.completed = outcome.completed;
-    trial.rendered_stiffness = outcome.rendered_stiffness;
-    trial.drift_needle_m = outcome.drift_needle_m;
 }
 
 // There and back, jitter included.
