@@ -29,6 +29,7 @@
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
 #include "session/observe/monitor_source.hpp"
+#include "session/observe/observed_session.hpp"
 #include "session/observe/observers.hpp"
 
 namespace {
@@ -38,10 +39,10 @@ using namespace thimble;
 constexpr Duration kTextPeriod = std::chrono::milliseconds{250};
 
 struct IgtlOptions {
-    std::string config, listen = "127.0.0.1:18944", seat = "experimenter";
+    ObservedSession session;
+    std::string listen = "127.0.0.1:18944";
     std::vector<std::string> replay{};
     double rate_Hz = 60, speed = 1;
-    int base_port = 0;
 };
 
 constexpr double kMillimetres_per_m = 1000;
@@ -190,18 +191,10 @@ class IgtlServer final : public Process {
 };
 
 void add_igtl_options(CLI::App& app, IgtlOptions& o) {
-    app.add_option("session", o.config, "session file (TOML): where the session is, and its lab key");
-    app.add_option("--base-port", o.base_port, "first UDP port, instead of [network].base_port")
-        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
-        ->type_name("PORT");
+    o.session.add_options(app);
     app.add_option("--listen", o.listen, "where OpenIGTLink's clients connect")
         ->default_val(o.listen)
         ->type_name("[HOST:]PORT");
-    app.add_option("--seat", o.seat,
-                   "whose view this is instead of: experimenter (thimble run --monitor), or player (where an "
-                   "experimenter's view is open as well)")
-        ->check(CLI::IsMember({"experimenter", "player"}))
-        ->default_val(o.seat);
     app.add_option(
         "--replay", o.replay,
         "logs (.mcap) of one session instead of a session that runs; begins with the first client");
@@ -220,8 +213,7 @@ void add_igtl_options(CLI::App& app, IgtlOptions& o) {
 }
 
 int serve(const IgtlOptions& options) {
-    const NetworkSettings network =
-        observed_network(options.config, static_cast<std::uint16_t>(options.base_port));
+    const NetworkSettings network = options.session.network();
     const Endpoint local = read_observer(options.listen, "--listen");
     require_observer_here(network.security, local.host, "--listen");
     const bool replay = !options.replay.empty();
@@ -233,9 +225,7 @@ int serve(const IgtlOptions& options) {
         source = std::make_unique<LoggedMonitor>(options.replay, options.speed);
     } else {
         sockets = std::make_unique<Sockets>(network);
-        using Seat = LiveMonitor::Seat;
-        source = std::make_unique<LiveMonitor>(
-            *sockets, options.seat == "player" ? Seat::kPlayer : Seat::kExperimenter);
+        source = std::make_unique<LiveMonitor>(*sockets, options.session.monitor(*sockets));
     }
     const ClockPair clocks = read_clock_pair();
     IgtlServer process(*source, server, options.rate_Hz, replay,

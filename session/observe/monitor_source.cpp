@@ -8,12 +8,6 @@
 
 namespace thimble {
 
-LiveMonitor::LiveMonitor(Sockets& sockets, Seat seat)
-    : sockets_(&sockets),
-      receiver_(seat == Seat::kExperimenter
-                    ? *sockets.between(Port::kExperimenterMonitor, Port::kSessionOrders)
-                    : *sockets.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)) {}
-
 void LiveMonitor::update(SessionTime now) {
     sockets_->tick(now);
     receiver_.update(now, [](SessionTime, std::uint32_t, const Monitor&) {});

@@ -25,12 +25,11 @@ class MonitorSource : boost::noncopyable {
     virtual void start(SessionTime /*now*/) {}
 };
 
-// In the place of an experimenter's or a player's view, of which each hears what `thimble run --monitor` says.
+// In the place of a view.
 class LiveMonitor final : public MonitorSource {
   public:
-    enum class Seat { kExperimenter, kPlayer };
-    // `sockets` outlive this. Throws Error (network) if another view sits there.
-    LiveMonitor(Sockets& sockets, Seat seat);
+    // `sockets` and their channel outlive this.
+    LiveMonitor(Sockets& sockets, Channel& monitor) : sockets_(&sockets), receiver_(monitor) {}
 
     void update(SessionTime now) override;
     const Monitor& newest() const override { return receiver_.newest(); }

@@ -17,6 +17,7 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
+#include "session/observe/observed_session.hpp"
 #include "session/observe/observers.hpp"
 #include "session/observe/ros2_news.hpp"
 #include "visual_node/views/monitor_receiver.hpp"
@@ -29,8 +30,8 @@ constexpr Duration kStatePeriod = std::chrono::milliseconds{250};
 constexpr Ros2Topic kState{"/session/state", Ros2Type::kString, {}};
 
 struct Ros2Options {
-    std::string config, interface = "127.0.0.1", prefix = "/thimble", seat = "experimenter";
-    int base_port = 0;
+    ObservedSession session;
+    std::string interface = "127.0.0.1", prefix = "/thimble";
     std::optional<int> domain;  // none: of ROS_DOMAIN_ID
     bool no_clock = false;
 };
@@ -153,21 +154,13 @@ class Ros2Observer final : public Process {
 };
 
 void add_ros2_options(CLI::App& app, Ros2Options& o) {
-    app.add_option("session", o.config, "session file (TOML): where the session is, and its lab key");
-    app.add_option("--base-port", o.base_port, "first UDP port, instead of [network].base_port")
-        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
-        ->type_name("PORT");
+    o.session.add_options(app);
     app.add_option("--domain", o.domain, "of DDS; default: ROS_DOMAIN_ID, or 0")
         ->check(CLI::Range(0, 232))
         ->type_name("ID");
     app.add_option("--interface", o.interface, "address of the one interface that DDS uses")
         ->default_val(o.interface)
         ->type_name("ADDRESS");
-    app.add_option("--seat", o.seat,
-                   "whose view this is instead of: experimenter (thimble run --monitor), or player (where an "
-                   "experimenter's view is open as well)")
-        ->check(CLI::IsMember({"experimenter", "player"}))
-        ->default_val(o.seat);
     app.add_option("--prefix", o.prefix, "of the topics; two sessions at once need two domains as well")
         ->check([](const std::string& text) {
             const bool good =
@@ -188,15 +181,12 @@ void add_ros2_options(CLI::App& app, Ros2Options& o) {
 }
 
 int observe(const Ros2Options& options) {
-    const NetworkSettings network =
-        observed_network(options.config, static_cast<std::uint16_t>(options.base_port));
+    const NetworkSettings network = options.session.network();
     require_observer_here(network.security, options.interface, "--interface");
     const unsigned domain = options.domain ? static_cast<unsigned>(*options.domain) : ros2_domain();
     install_stop_signals();
     Sockets sockets(network);
-    Channel& monitor = options.seat == "player"
-                           ? *sockets.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)
-                           : *sockets.between(Port::kExperimenterMonitor, Port::kSessionOrders);
+    Channel& monitor = options.session.monitor(sockets);
     Ros2Bus bus(domain, options.interface);
     Ros2Publisher out(bus, options);
     const ClockPair clocks = read_clock_pair();
