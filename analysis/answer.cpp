@@ -16,7 +16,7 @@ namespace {
 using Groups = std::vector<GroupFindings>;
 using Texts = std::vector<std::string>;
 
-// The mean penetration says what the maximum says; the table has it.
+// Without the mean penetration, which agrees with the maximum; the table has it.
 constexpr std::array kAnswered{Metric::kPenetrationMax, Metric::kCompletionTime, Metric::kPeakDisplacement};
 constexpr std::size_t kMostListed = 6;
 
@@ -95,7 +95,8 @@ std::string oscillation_sentence(const Groups& groups) {
         parts.push_back(
             fmt::format("{} {} ({})", list_text(silent.names), nothing, of_trials(0, silent.trials)));
     if (parts.empty())
-        return "No trial ran to its end and touched the fixture, so nothing is known of oscillation.";
+        return "No trial ran to its end and touched the fixture, so the results say nothing about "
+               "oscillation.";
     return sentence(fmt::format("{}", fmt::join(parts, "; ")));
 }
 
@@ -157,15 +158,16 @@ std::string difference_sentence(const Groups& groups) {
     const Texts apart = clauses(groups, told_apart, apart_text);
     if (!apart.empty()) return sentence(fmt::format("{}", fmt::join(apart, "; ")));
     if (any_comparison(groups, told_apart))
-        return "Modalities differ in mean penetration only; the table has the sizes.";
-    if (any_comparison(groups, judged)) return "No two modalities are told apart in any measure.";
+        return "Modalities differ only in mean penetration; the table shows by how much.";
+    if (any_comparison(groups, judged))
+        return "No difference between two modalities was found in any measure.";
     if (!any_comparison(groups, anything))
-        return "No two modalities can be compared: no delay has measures of more than one.";
+        return "No two modalities can be compared: each delay has measures of one modality only.";
     const Texts seen = clauses(groups, measured, [](const std::vector<const ConditionPair*>& all) {
         const ConditionPair& c = largest(all);
         return fmt::format("{} in {}", difference_text(c), name_of(c.metric));
     });
-    if (seen.empty()) return "No subject has a measure of two modalities, so nothing is compared.";
+    if (seen.empty()) return "No subject has measures of two modalities, so nothing can be compared.";
     return sentence(fmt::format("the largest differences seen: {}", fmt::join(seen, "; ")));
 }
 
@@ -194,10 +196,13 @@ std::string alike_text(const Groups& groups) {
     if (pairs == 0) return "";
     if (pairs > kMostListed)
         return fmt::format(
-            "not told apart, which does not make them equal: {} (the tables have the intervals)",
+            "no difference was found in these pairs, which does not mean that they are equal: {} (the tables "
+            "show the intervals)",
             fmt::join(clauses(groups, alike, count_text), "; "));
-    return fmt::format("not told apart, which does not make them equal (95 % intervals): {}",
-                       fmt::join(clauses(groups, alike, pairs_text), "; "));
+    return fmt::format(
+        "no difference was found in these pairs, which does not mean that they are equal (95 % intervals): "
+        "{}",
+        fmt::join(clauses(groups, alike, pairs_text), "; "));
 }
 
 // A condition that has trials but none that came to this measure.
@@ -219,11 +224,9 @@ Texts unmeasured(const GroupFindings& group) {
 
 std::string need_text(const ConditionPair& c) {
     if (!c.paired)
-        return fmt::format(
-            "{} of two modalities are too few to say how they differ, which takes at least {} "
-            "of each",
-            counted(c.n, "trial"), counted(c.fewest(), "trial"));
-    return fmt::format("{} {} too few to say how modalities differ, which takes at least {}",
+        return fmt::format("{} of two modalities are too few for a test, which needs at least {} of each",
+                           counted(c.n, "trial"), counted(c.fewest(), "trial"));
+    return fmt::format("{} {} too few for a test between modalities, which needs at least {}",
                        counted(c.n, "subject"), c.n == 1 ? "is" : "are", counted(c.fewest(), "subject"));
 }
 
@@ -253,8 +256,8 @@ std::string limits_sentence(const Groups& groups) {
         for (std::string& text : unmeasured(group)) parts.push_back(std::move(text));
     }
     if (!parts.empty()) return sentence(fmt::format("{}", fmt::join(parts, "; ")));
-    return fmt::format("{}othing here speaks of other hands, tissues or delays.",
-                       any_comparison(groups, anything) ? "Every pair is told apart; n" : "N");
+    return fmt::format("{}he results do not tell about other hands, tissues or delays.",
+                       any_comparison(groups, anything) ? "Every pair differs; t" : "T");
 }
 
 // The same trials without delay only show that it is the delay: the tables compare them.

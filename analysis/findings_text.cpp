@@ -59,9 +59,9 @@ std::string too_few_text(const ConditionPair& c) {
 ReportTable oscillation_shares(const std::vector<GroupFindings>& groups) {
     ReportTable table{"Which conditions oscillate",
                       fmt::format("A trial oscillates if the needle leaves the fixture at least {} times and "
-                                  "moves by more than {:g} mm rms during the hold ({:g} s after the first "
-                                  "contact to the beep). Trials count that ran to their end and touched the "
-                                  "fixture. The interval is Wilson's, as if all trials were independent.",
+                                  "moves by more than {:g} mm rms during the hold, which lasts from {:g} s "
+                                  "after the first contact to the beep. Only trials count that ran to their "
+                                  "end and touched the fixture. Interval: Wilson's, for independent trials.",
                                   kOscillationContactsLost, kOscillationRms_m * 1e3, kHoldSettling_s),
                       {"delay", "condition", "trials", "subjects", "oscillating", "share, 95 % interval"}};
     for (const GroupFindings& group : groups) {
@@ -95,12 +95,13 @@ bool any_judged(const std::vector<GroupFindings>& groups) {
 }
 
 constexpr const char* kTested =
-    "First minus second. Of the subjects' own differences: the Wilcoxon signed-rank test, exact up to 200 "
-    "subjects, Hodges and Lehmann's estimate, and the interval in which that test finds no difference. "
-    "Experiment 2, whose trials are independent: the rank-sum test in the same way. Interval and P hold for "
+    "First minus second condition. P: Wilcoxon signed-rank test of the differences within subjects, exact up "
+    "to 200 subjects. Difference: Hodges-Lehmann estimate, with the confidence interval of the same test. "
+    "The trials of experiment 2 are independent, so its test is the rank-sum test. Interval and P hold for "
     "all pairs of a measure at once (Bonferroni). r: rank-biserial correlation, 1 if all subjects agree.";
 constexpr const char* kOnlySeen =
-    "First minus second: Hodges and Lehmann's estimate. There are too few data for a test and its interval.";
+    "First minus second condition: Hodges-Lehmann estimate. There are too few data for a test and its "
+    "interval.";
 
 ReportTable comparisons(const std::vector<GroupFindings>& groups) {
     ReportTable table{"Differences",
@@ -158,14 +159,15 @@ std::string words(const ConditionPair& c, const GroupFindings& group) {
     const std::string where = fmt::format("{} at {}", name_of(c.metric), group.name);
     if (!c.shift) return fmt::format("No subject has both {} and {} in {}.", c.first, c.second, where);
     if (!c.can_be_judged())
-        return fmt::format("Nothing can be said about {} and {} in {} with {}: {}.", c.first, c.second, where,
+        return fmt::format("{} and {} cannot be compared in {} with {}: {}.", c.first, c.second, where,
                            sample_text(c), too_few_text(c));
     const std::string numbers = fmt::format("{}; {}", p_text(c.shift->p), sample_text(c));
     if (c.apart())
         return fmt::format("{} in {} (95 % interval {}; {}).", difference_text(c), where, interval_text(c),
                            numbers);
-    return fmt::format("{} and {} are not told apart in {}: {} - {} is between {} (95 % interval; {}).",
-                       c.first, c.second, where, c.first, c.second, interval_text(c), numbers);
+    return fmt::format(
+        "No difference was found between {} and {} in {}: {} - {} is between {} (95 % interval; {}).",
+        c.first, c.second, where, c.first, c.second, interval_text(c), numbers);
 }
 
 std::vector<ReportTable> finding_tables(const std::vector<GroupFindings>& groups) {

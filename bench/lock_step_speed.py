@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How fast a session is by each clock, as the table of docs/lock-step.md: one run, one row for each number of processes.
+"""How fast a session is by each clock, as the table of docs/clocks.md: one run, one row for each number of processes.
 
     bench/lock_step_speed.py build/release/bin [--rounds 3] [--skip-wall]
 

@@ -52,7 +52,7 @@ int send_datagrams(const EndsOptions& options) {
         const std::int64_t sent = to_nanoseconds(wall_now());
         std::memcpy(datagram.data(), &sent, sizeof sent);
         if (::send(socket.descriptor(), datagram.data(), datagram.size(), 0) < 0)
-            continue;  // nobody hears yet
+            continue;  // no receiver yet
     }
     wall_sleep(kPatienceOfEnds);
     return 0;

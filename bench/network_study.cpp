@@ -1,5 +1,5 @@
 // thimble-bench netem: how near the relay comes to a machine without it, each figure a ratio of two things measured in
-// turn in one run (docs/network-numbers.md).
+// turn in one run (docs/network-relay.md).
 #include <algorithm>
 #include <cstddef>
 #include <string>

@@ -121,7 +121,7 @@ std::vector<Problem> all_problems() {
         {"heavy", "1e6 kg", tissue(1e6, 2, 5, 0.7, 0.1), 3, kMs, in_and_back_sooner},
         {"wall", "1e6 N/m on 50 g, rings at 712 Hz", tissue(0.05, 1e6, 20, 2, 200), 1, kMs,
          glides(0.0198, {{0, 0.4, 0.0206}, {0.5, 0.3, 0.0195}})},
-        // Needles with corners: the claims of docs/solvers.md were not made for these.
+        // Needles with corners: the claims of docs/speed.md were not made for these.
         {"quantised", "read by a 0.03 mm encoder", paper, 2, kMs, quantised(in_and_out(0.1, 0.3, 0.5), 3e-5)},
         {"coarse", "a recording of one sample in 2 s", paper, 20, 2,
          polygon({0.005, 0.015, 0.045, 0.09, 0.09, 0.05, 0.025, 0.028, 0.028, 0.005, 0.005}, 2)},

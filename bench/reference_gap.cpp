@@ -1,4 +1,4 @@
-#include "bench/reference_gap.hpp"
+#include "bench/reference_motion.hpp"
 
 namespace thimble {
 

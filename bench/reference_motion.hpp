@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
@@ -106,5 +107,25 @@ class ReferenceHalving {
     ReferenceNumber duration_s_;
     std::vector<Exponential> levels_;
 };
+
+// Event isolation for the reference: halving with rigorous bounds on the derivatives of the gap.
+
+// side * (needle - surface): +1 asks for a needle that enters, -1 for one that leaves.
+struct ReferenceGap {
+    int side;
+    ReferenceNumber needle_m;  // at the start of the leg
+    ReferenceNumber velocity_needle_m_per_s;
+    ReferenceLaw law;
+};
+
+struct ReferenceCrossing {
+    ReferenceNumber after_s;
+    ReferenceMotion motion;
+};
+
+// The first rise of the gap above zero within (0, T], or at 0 if it stands at zero and rises at once. Not a crossing:
+// a gap at zero that falls or rests, or one that reaches zero at the very end of the leg.
+std::optional<ReferenceCrossing> first_crossing(const ReferenceGap& gap, const ReferenceMotion& start,
+                                                ReferenceHalving& halving);
 
 }  // namespace thimble

@@ -7,7 +7,6 @@
 #include <array>
 #include <vector>
 
-#include "bench/reference_gap.hpp"
 #include "bench/reference_motion.hpp"
 #include "slave_sim/tissue_solver.hpp"
 

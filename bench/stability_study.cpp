@@ -1,4 +1,4 @@
-// The delayed force loop: what theory predicts and what is measured, hand by hand, and how long both take.
+// The delayed force loop: predictions of the theory and measurements, for each hand, and the time of both.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-// thimble-bench work-precision: what each tissue solver costs for which error (docs/solvers.md).
+// thimble-bench work-precision: what each tissue solver costs for which error (docs/speed.md).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -162,7 +162,7 @@ int work_precision_study(int argc, char** argv) {
     CLI::App app("Speed against error of the tissue solvers, against a solution of 40 digits and more.",
                  "thimble-bench work-precision");
     app.add_option("-o,--out", out, "folder for work_precision.csv and the figure")->default_str(out);
-    app.add_option("-p,--problem", names, "named problems (docs/solvers.md); all of them if none is given");
+    app.add_option("-p,--problem", names, "problems by name; all of them if none is given");
     app.add_flag("--quick", quick, "few settings and repetitions: does it run at all?");
     app.footer(
         "Example:\n  thimble-bench work-precision --problem insert_100mm_s underdamped --out "

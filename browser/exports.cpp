@@ -1,4 +1,4 @@
-// All that the page's JavaScript calls. Numbers and texts go through, nothing else.
+// Functions for the page's JavaScript. Only numbers and texts pass.
 #include <array>
 #include <cmath>
 #include <emscripten.h>
@@ -7,7 +7,7 @@
 
 #include "browser/live_trial.hpp"
 #include "browser/page_study.hpp"
-#include "common/network_words.hpp"
+#include "common/network_labels.hpp"
 #include "netem/profiles/profiles.hpp"
 #include "stability/critical_delay.hpp"
 #include "study/loop_limits.hpp"
@@ -61,7 +61,7 @@ std::string lines_of(const std::vector<CutawayLabel>& labels) {
     return lines;
 }
 
-// Of `scene` only a share of its way from `before`, so that a needle that shakes is drawn at rest.
+// Moves `scene` only by a share of its way from `before`, so that a trembling needle is drawn at rest.
 void come_nearer(const Scene& before, double share, Scene& scene) {
     const auto near = [share](double from, double& to) { to = std::lerp(from, to, share); };
     near(before.position_surface_m, scene.position_surface_m);
@@ -147,7 +147,7 @@ EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_
     scene.position_surface_m = surface_m;
     scene.cut_away = cut;
 }
-// Both motors of a gamepad, 0 to 1, strong and weak; null if nothing is to be said to it now.
+// Levels of a gamepad's motors, 0 to 1, strong and weak; null if there is no new command.
 EMSCRIPTEN_KEEPALIVE const double* rumble(int side, double now_s) {
     Side& one = side_of(side);
     const Scene scene = one.trial->scene();
@@ -210,7 +210,7 @@ EMSCRIPTEN_KEEPALIVE void write_study(const char* path) { study->write_table(pat
 EMSCRIPTEN_KEEPALIVE const char* networks() {
     words.clear();
     for (const std::string_view name : profile_names())
-        words += fmt::format("{}\t{}\n", name, network_words(name));
+        words += fmt::format("{}\t{}\n", name, network_label(name));
     return words.c_str();
 }
 EMSCRIPTEN_KEEPALIVE const char* compensators() {

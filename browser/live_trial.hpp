@@ -72,7 +72,7 @@ class LiveTrial {
     void change_delay(double delay_s);
     // Both ways of a profile that comes with the program. False: none has this name.
     bool change_network(std::string_view name);
-    // Lets time pass. A trial that ends is followed by the next.
+    // Advances time. After a trial the next one begins.
     void advance(double seconds);
 
     LiveState state() const;

@@ -14,7 +14,7 @@ class PageStudy {
   public:
     PageStudy(std::uint64_t seed, std::uint32_t subjects);
 
-    // Goes on for so many instants. False once all trials are done.
+    // Advances by `instants` instants. False once all trials are done.
     bool go_on(unsigned instants);
 
     std::size_t planned() const { return planned_.size(); }

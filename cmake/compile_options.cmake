@@ -65,16 +65,17 @@ endfunction()
 set(THIMBLE_IN_UNITY UNITY_BUILD_CODE_BEFORE_INCLUDE "// NOLINTNEXTLINE(bugprone-suspicious-include)")
 
 # The compiler parses the headers of most sources once for each set of flags. A source then takes about a tenth less time.
-# clang-tidy reads every file without these headers, so that it finds a missing include.
+# clang-tidy reads every file without these headers, so that it finds a missing include. Not CLI11: a source that sees it compiles its
+# constants, which takes longer than a small source.
 set(THIMBLE_HEADERS <algorithm> <array> <chrono> <cmath> <deque> <filesystem> <fstream> <functional> <map> <memory> <optional>
-    <set> <span> <sstream> <string> <string_view> <thread> <variant> <vector> <fmt/format.h> <fmt/ranges.h> <nlohmann/json.hpp>)
+    <set> <span> <sstream> <string> <string_view> <thread> <variant> <vector> <fmt/format.h> <fmt/ranges.h> <nlohmann/json.hpp>
+    ${PROJECT_SOURCE_DIR}/cmake/format_once.hpp)
 target_compile_definitions(thimble_options INTERFACE FMT_SHARED)  # as fmt's own target says: headers parsed once need it everywhere
-function(thimble_headers name)
-    cmake_parse_arguments(ARG "" "" "HEADERS;FLAGS" ${ARGN})
+function(thimble_headers name)  # FLAGS...
     add_library(${name} STATIC ${PROJECT_SOURCE_DIR}/cmake/headers.cpp)
     target_link_libraries(${name} PRIVATE thimble_options fmt::fmt nlohmann_json::nlohmann_json)
-    target_compile_options(${name} PRIVATE ${ARG_FLAGS})
-    target_precompile_headers(${name} PRIVATE ${ARG_HEADERS})
+    target_compile_options(${name} PRIVATE ${ARGN})
+    target_precompile_headers(${name} PRIVATE ${THIMBLE_HEADERS})
 endfunction()
 
 # thimble_library(name SOURCES... ) and thimble_program(name SOURCES...): a room's library and its program.

@@ -71,7 +71,7 @@ if(THIMBLE_PYTHON)
     endif()
 endif()
 
-# Cyclone DDS, for thimble-ros2 and thimble-ros2-master alone (docs/ros2.md). Its idlc makes C of the messages.
+# Cyclone DDS, for the programs thimble-ros2* alone (docs/ros2.md). Its idlc makes C of the messages.
 option(THIMBLE_ROS2 "build thimble-ros2, which shows sessions to ROS 2" ON)
 if(THIMBLE_SANITIZE)
     set(THIMBLE_ROS2 OFF)  # as with Open MPI: DDS has threads of its own, and no sanitizer in them

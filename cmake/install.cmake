@@ -43,11 +43,11 @@ install(FILES ${CMAKE_BINARY_DIR}/thimble-config.cmake ${CMAKE_BINARY_DIR}/thimb
 
 # Programs find the sessions by name beside the folder they lie in, installed or not.
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/share/thimble)
-foreach(FOLDER board sessions)
+foreach(FOLDER board schema sessions)
     file(CREATE_LINK ${PROJECT_SOURCE_DIR}/deploy/${FOLDER} ${CMAKE_BINARY_DIR}/share/thimble/${FOLDER} SYMBOLIC)
 endforeach()
 # Session files, scenes and networks to begin with.
-install(DIRECTORY deploy/board deploy/pages deploy/sessions deploy/scenes deploy/profiles DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble
+install(DIRECTORY deploy/board deploy/pages deploy/profiles deploy/scenes deploy/schema deploy/sessions DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble
     COMPONENT programs)
 # The page for a browser (thimble play --browser), where deploy/browser has built it.
 install(FILES build/browser/thimble.html DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble COMPONENT programs OPTIONAL)

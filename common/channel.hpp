@@ -34,15 +34,15 @@ class Channel : boost::noncopyable {
     // Answers the sender of the last received datagram, if the channel knows it. Else it does nothing.
     virtual void answer(Bytes) {}
 
-    // Of a channel whose peer may move (UdpChannel): to the sender of the last received datagram, once, or from now on. Any other has
-    // one peer.
+    // Where the peer may move (UdpChannel): send_back() sends to the sender of the last received datagram once,
+    // follow() makes it the new peer. Any other channel has one peer.
     virtual void send_back(Bytes datagram) { send(datagram); }
     virtual void follow() {}
 
     // The next waiting datagram, or an empty span. Valid until the next call on this channel.
     Bytes receive() { return known_empty() ? Bytes{} : take(); }
-    // True if receive() is sure to find nothing; a call, too, that ends what receive() gave. Cheap: every flow
-    // asks at every tick.
+    // True if receive() is sure to find nothing. Invalidates the span that receive() returned. Cheap: every flow asks
+    // at every tick.
     bool known_empty() { return released_ = known_empty_; }
 
     // When the datagram that receive() returned last had reached this machine, if the channel measures that: at most a
@@ -61,9 +61,9 @@ class Channel : boost::noncopyable {
     virtual SharedMessage* take_shared() { return nullptr; }
     MessagePool* pool_ = nullptr;
     bool shared_waits_ = false;  // the next that waits was handed over
-    // For a channel that knows what waits in it; one that does not leaves it false.
+    // Set by a channel that knows its own queue; others leave it false.
     bool known_empty_ = false;
-    bool released_ = false;  // what was taken last is not looked at any more
+    bool released_ = false;  // the caller is done with the last span
 };
 
 }  // namespace thimble

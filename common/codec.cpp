@@ -88,7 +88,7 @@ struct FieldVerdict {
     }
 };
 
-// Says of each field what FieldReader says of its bytes.
+// Checks the fields of a struct as FieldReader checks those of bytes.
 class FieldChecker {
   public:
     std::optional<Refusal> refusal() const { return verdict_.refusal(); }
@@ -239,7 +239,7 @@ struct MessageTemplate {
     std::size_t place(const std::uint8_t* part) const {
         return static_cast<std::size_t>(part - builder.GetBufferPointer());
     }
-    // The verifier would say of the datagram what it says of this buffer, which is good.
+    // True if the verifier needs no look: the datagram has the layout of this buffer, which it has accepted.
     bool is_layout_of(Bytes datagram) const {
         return datagram.size() == builder.GetSize() &&
                std::memcmp(datagram.data(), builder.GetBufferPointer(), place(std::min(header, body))) == 0;
@@ -286,7 +286,7 @@ std::optional<Refusal> decode_any(Bytes datagram, Message& message) {
 
 }  // namespace
 
-// Most flows carry one kind of message, made by an Encoder: the one before tells how this one is laid out.
+// Most flows carry one kind of message. So the layout of the last datagram is tried first.
 std::optional<Refusal> decode_into(Bytes datagram, Message& message) {
     const MessageTemplate& before = layouts()[message.body.index()];
     return before.is_layout_of(datagram) ? decode_as(before, datagram, message)

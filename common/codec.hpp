@@ -45,7 +45,7 @@ struct Decoded {
 Decoded decode(Bytes datagram);
 // The same without moving the message afterwards. No refusal: `message` is good; else it is unspecified.
 std::optional<Refusal> decode_into(Bytes datagram, Message& message);
-// Says of `message` what decode() says of its bytes. None: decode() gives the same struct.
+// The refusal that decode() would give for the bytes of `message`. None: decode() gives the same struct.
 std::optional<Refusal> refusal_of(const Message& message);
 
 // Every body is one struct, so all messages of a kind have the same layout: the buffer of each kind is built

@@ -61,7 +61,7 @@ struct ConfigTable::Found {
                    kDurationUnits);
         return seconds;
     }
-    // Refuses what is in range and hardly meant.
+    // Refuses a value that is in range but probably a mistake, such as milliseconds in a key of seconds.
     void doubt(const toml::node& value) const {
         if (value.source().begin.line == 0) return;  // not of the file: ConfigFile::set()
         const std::string why =
@@ -70,7 +70,7 @@ struct ConfigTable::Found {
     }
 };
 
-// Where this reader says nothing of the key, the description of another reader stays.
+// A description by another reader stays if this reader has none for the key.
 KeyDeclaration& ConfigTable::declare(std::string_view key, std::string_view type,
                                      std::string_view help) const {
     std::vector<KeyDeclaration>& all = file_->impl_->declared;

@@ -72,7 +72,7 @@ class ConfigTable {
     // Of a key that may be text or something else; false where it is absent.
     bool is_text(std::string_view key) const;
     ConfigTable table(std::string_view key) const;
-    // Of a key that is a number or a table: the table, if it is one. A description gets both.
+    // For a key that may be a number or a table: the table, if it is one. description() lists both.
     std::optional<ConfigTable> number_or_table(std::string_view key, double& value, double low, double high,
                                                std::string_view help) const;
     // One table [key] or an array of tables [[key]], in the order of the file; none if absent. `describe` reads the keys of one:
@@ -83,7 +83,7 @@ class ConfigTable {
     // key that is there is refused.
     ConfigTable only_with(std::string_view chooser, std::string_view chosen,
                           std::vector<std::string_view> users) const;
-    // `read` reads another file, which this key names: what is wrong there is this key's mistake.
+    // `read` reads another file, which this key names. An error there is reported at this key.
     void load(std::string_view key, const std::function<void()>& read) const;
     // An Error (usage) that names file, line and key; for checks that span several keys. It stays unsaid if it names a key that is
     // itself wrong.
@@ -131,7 +131,8 @@ class ConfigFile {
     ConfigTable root() const;
     // Where the file lies, which relative paths in it start from; empty for text that was no file.
     const std::filesystem::path& folder() const;
-    // For readers of keys that name files: `name`, as written, was read from beside this file. A copy of the file on another machine needs these too.
+    // For readers of keys that name files: `name`, as written, was read from beside this file. A copy of the file on
+    // another machine needs these too.
     void uses(std::string_view name) const;
     const std::set<std::string>& used_files() const;
     ConfigTable table(std::string_view key) const { return root().table(key); }

@@ -19,7 +19,7 @@ constexpr int kMostDots =
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Of a decimal number, or beside another dot, as in "...".
+// True for a dot inside a decimal number, or beside another dot as in "...".
 bool joins_no_names(std::string_view line, std::size_t dot) {
     const auto at = [line](std::size_t i) { return i < line.size() ? line[i] : ' '; };
     std::size_t low = dot, high = dot + 1;
@@ -37,8 +37,8 @@ void refuse_long_keys(std::string_view text, std::string_view name) {
         for (std::size_t dot = line.find('.'); dot != std::string_view::npos; dot = line.find('.', dot + 1))
             if (!joins_no_names(line, dot) && ++dots > kMostDots)
                 throw Error(ExitCode::kUsage,
-                            "{}:{}:{}: this line joins more than {} names by dots; no key does", name, number,
-                            dot + 1, kMostDots);
+                            "{}:{}:{}: this line joins more than {} names by dots; no key has so many", name,
+                            number, dot + 1, kMostDots);
     }
 }
 
@@ -287,10 +287,10 @@ void ConfigFile::set(std::string_view dotted_key, double value) {
         if (!table->contains(name)) table->insert(name, toml::table{});
         table = table->get(name)->as_table();
         if (table == nullptr) {
-            throw Error(ExitCode::kUsage, "{}: '{}': '{}' is no table", impl_->name, dotted_key, name);
+            throw Error(ExitCode::kUsage, "{}: '{}': '{}' is not a table", impl_->name, dotted_key, name);
         }
     }
-    if (rest.empty()) throw Error(ExitCode::kUsage, "{}: '{}' names no key", impl_->name, dotted_key);
+    if (rest.empty()) throw Error(ExitCode::kUsage, "{}: '{}' is not a key", impl_->name, dotted_key);
     table->insert_or_assign(rest, value);
 }
 

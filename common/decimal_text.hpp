@@ -1,4 +1,5 @@
-// std::from_chars for a double, also where the standard library has it for whole numbers only (LLVM's, in the browser).
+// Numbers in text: the whole text, or nothing. It also reads a double where std::from_chars cannot
+// (LLVM's library, in the browser).
 #pragma once
 
 #include <charconv>
@@ -26,6 +27,16 @@ inline std::from_chars_result read_decimal(const char* first, const char* last, 
     value = read;
     return {first + (end - number.c_str()), std::errc{}};
 #endif
+}
+
+// The whole text as a whole number that `Number` can hold.
+template <class Number>
+std::optional<Number> parse_whole(std::string_view text, int base = 10) {
+    Number value = 0;
+    const char* const last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), last, value, base);
+    if (error != std::errc{} || end != last) return {};
+    return value;
 }
 
 // The whole text as a finite decimal number.

@@ -29,9 +29,6 @@ constexpr std::array<Unit, 8> kUnits{{{"ns", -9, 1},
 
 constexpr int kMostPower = 10'000;
 
-// No path on Earth, nor to the moon and back, is as long.
-constexpr double kLongestPath_s = 3;
-
 // The number that `text` begins with, cut off from it.
 std::optional<double> take_number(std::string_view& text) {
     double value = 0;
@@ -88,7 +85,7 @@ std::string settle_one(std::string_view name, std::string_view part, std::string
     const auto seconds = parse_duration(part);
     settled += seconds ? fmt::format("{}", *seconds) : std::string(part);
     if (!number || seconds) return {};
-    return fmt::format("'{}' has no unit known here: write seconds, or a number with {}, e.g. 50ms", part,
+    return fmt::format("'{}' has an unknown unit: write seconds, or a number with {}, e.g. 50ms", part,
                        kDurationUnits);
 }
 
@@ -117,7 +114,7 @@ bool holds_seconds(std::string_view name) {
 
 std::string doubt_seconds(std::string_view name, double seconds) {
     if (seconds < kLongestPath_s || !holds_seconds(name) || !is_network_time(name)) return {};
-    return fmt::format("{0}, but no network takes {0} s: {1}, for {0} s \"{0}s\"", seconds,
+    return fmt::format("{0}, but no network takes {0} s: {1}; for {0} s write \"{0}s\"", seconds,
                        milliseconds_instead(seconds));
 }
 

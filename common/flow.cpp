@@ -20,6 +20,32 @@ void FlowCounters::add(const FlowCounters& other) {
     for (std::size_t i = 0; i < refused.size(); ++i) refused[i] += other.refused[i];
 }
 
+// Both are called in admit() only, for each message: the compiler makes one function of them.
+inline std::optional<Refusal> InboundFlow::judge(SessionTime now, const Header& header) const {
+    if (header.sender != sender_) return Refusal::kUnexpectedKind;
+    // Checked before the lock: leftovers of an earlier trial must not keep a restarted sender out.
+    if (filter_ && (!running_ || header.trial != trial_)) return Refusal::kWrongTrial;
+    if (!locked_) return std::nullopt;
+    if (header.instance != instance_) {
+        return now - heard_ > kReleaseAfter ? std::nullopt : std::optional{Refusal::kSecondSender};
+    }
+    const std::int32_t ahead = sequence_ahead(header.sequence, newest_);
+    if (ahead == 0) return Refusal::kDuplicate;
+    if (ahead < 0) return Refusal::kOutdated;
+    if (header.send_time < stamp_) return Refusal::kStampNotIncreasing;
+    return std::nullopt;
+}
+
+inline void InboundFlow::remember(SessionTime now, const Header& header) {
+    locked_ = true;
+    instance_ = header.instance;
+    newest_ = header.sequence;
+    stamp_ = header.send_time;
+    heard_ = now;
+    last_accepted_ = silent_since_ = now;
+    ++counters_.accepted;
+}
+
 const Message* InboundFlow::admit(SessionTime now, Bytes datagram) {
     const std::optional<Refusal> refusal = decode_into(datagram, message_);
     if (!refusal) return admit(now, message_);
@@ -56,31 +82,6 @@ void InboundFlow::refuse_admitted(Refusal refusal) {
     ++counters_.refused[static_cast<std::size_t>(refusal)];
 }
 
-std::optional<Refusal> InboundFlow::judge(SessionTime now, const Header& header) const {
-    if (header.sender != sender_) return Refusal::kUnexpectedKind;
-    // Before the lock: what is left of an earlier trial must not keep a restarted sender out.
-    if (filter_ && (!running_ || header.trial != trial_)) return Refusal::kWrongTrial;
-    if (!locked_) return std::nullopt;
-    if (header.instance != instance_) {
-        return now - heard_ > kReleaseAfter ? std::nullopt : std::optional{Refusal::kSecondSender};
-    }
-    const std::int32_t ahead = sequence_ahead(header.sequence, newest_);
-    if (ahead == 0) return Refusal::kDuplicate;
-    if (ahead < 0) return Refusal::kOutdated;
-    if (header.send_time < stamp_) return Refusal::kStampNotIncreasing;
-    return std::nullopt;
-}
-
-void InboundFlow::remember(SessionTime now, const Header& header) {
-    locked_ = true;
-    instance_ = header.instance;
-    newest_ = header.sequence;
-    stamp_ = header.send_time;
-    heard_ = now;
-    last_accepted_ = silent_since_ = now;
-    ++counters_.accepted;
-}
-
 OutboundFlow::OutboundFlow(Role sender, std::uint64_t instance, std::initializer_list<Channel*> channels) {
     header_.sender = sender;
     header_.instance = instance;
@@ -96,10 +97,10 @@ void OutboundFlow::transmit(Bytes datagram) {
 }
 
 // A message that receivers refuse goes as bytes, so that each of them counts it.
-void OutboundFlow::post(SharedMessage& shared) {
-    const bool good = !refusal_of(shared.message);
+void OutboundFlow::post(SharedMessage& shared, Verdict& good) {
+    if (!good) good = !refusal_of(shared.message);
     for (std::size_t i = 0; i < channel_count_; ++i) {
-        if (good && channels_[i]->pool() != nullptr) {
+        if (*good && channels_[i]->pool() != nullptr) {
             channels_[i]->hand_over(shared);
         } else {
             channels_[i]->send(encoder_.encode(shared.message));

@@ -112,27 +112,36 @@ class InboundFlow {
 // Numbers, stamps and sends.
 class OutboundFlow {
   public:
+    // Whether receivers take a body; none: no flow has looked.
+    using Verdict = std::optional<bool>;
+
     OutboundFlow(Role sender, std::uint64_t instance, std::initializer_list<Channel*> channels);
 
     template <class Body>
     void send(SessionTime now, std::uint32_t trial, const Body& body) {
+        Verdict good;
+        send(now, trial, body, good);
+    }
+    // The same body by several flows of one sender, at the same time: the first one looks.
+    template <class Body>
+    void send(SessionTime now, std::uint32_t trial, const Body& body, Verdict& good) {
         header_.send_time = now;
         header_.trial = trial;
         ++header_.sequence;
-        pool_ != nullptr ? share(body) : transmit(encoder_.encode(header_, body));
+        pool_ != nullptr ? share(body, good) : transmit(encoder_.encode(header_, body));
     }
     std::uint32_t sequence() const { return header_.sequence; }
 
   private:
     void transmit(Bytes datagram);
     template <class Body>
-    void share(const Body& body) {
+    void share(const Body& body, Verdict& good) {
         SharedMessage& shared = pool_->take();
         shared.message.header = header_;
         shared.message.body = body;
-        post(shared);
+        post(shared, good);
     }
-    void post(SharedMessage& shared);
+    void post(SharedMessage& shared, Verdict& good);
 
     Header header_;
     Encoder encoder_;

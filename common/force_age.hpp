@@ -1,11 +1,34 @@
-// How much later a force is than the session's network lets it be. Silence does not show a delay that grows: news come, and are old.
+// How late a force is, beyond the delay of the session's network. A rising delay does not show as silence: packets
+// still arrive, but old.
 #pragma once
 
 #include <algorithm>
 
+#include "common/histogram.hpp"
+#include "common/messages.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
+
+// Round trip of encoder sample and force, from the echo in each ForceFeedback. Both stamps are the master's, so no clock needs
+// to be synchronised.
+class RoundTrip {
+  public:
+    void clear() {
+        age_.clear();
+        hold_.clear();
+    }
+    // `now`: when the feedback arrived, on the clock that stamped the command it echoes.
+    void add(SessionTime now, const ForceFeedback& feedback) {
+        age_.add(now - feedback.echo_time);
+        hold_.add(feedback.hold_time);
+    }
+    const Histogram& age() const { return age_; }    // encoder sample to force at the handle
+    const Histogram& hold() const { return hold_; }  // the part of it inside slave_sim
+
+  private:
+    Histogram age_, hold_;
+};
 
 class ForceAge {
   public:
@@ -21,8 +44,8 @@ class ForceAge {
 
     // A force that answers what this program said at `made`.
     void take(SessionTime made) { made_ = made; }
-    // One that another program made at `made` on its own clock: its age is unknown here, but not how much older it is than the youngest of this trial. Clocks of two machines drift apart, so what was the youngest may be a thousandth of the time since
-    // then older than it was: twice what NTP may slew a clock by.
+    // A force with a stamp of another program's clock: its age is unknown. Its age relative to the fastest packet of
+    // this trial is known, corrected for clock drift of 1/1000 (twice what NTP may slew a clock by).
     void take_from_elsewhere(SessionTime now, SessionTime made) {
         if (least_ != Duration::max()) least_ += (now - taken_) / kDrift;
         least_ = std::min(least_, now - made);
@@ -30,8 +53,10 @@ class ForceAge {
         taken_ = now;
     }
 
-    // Of the newest force; negative while it is as young as it may be.
-    Duration late(SessionTime now) const { return now - made_ - allowed_; }
+    // Lateness of the newest force; negative while it is in time.
+    Duration late(SessionTime now) const { return late(now, made_); }
+    // Of one that answers what this program said at `made`.
+    Duration late(SessionTime now, SessionTime made) const { return now - made - allowed_; }
 
   private:
     static constexpr int kDrift = 1000;

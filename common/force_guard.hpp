@@ -34,7 +34,7 @@ class ForceGuard {
 
     // `device`: its name in the text of a trip.
     ForceGuard(const ForceLimits& limits, std::string_view device)
-        : limits_(limits), not_a_number_(fmt::format("a force was asked of {} that is no number", device)) {
+        : limits_(limits), not_a_number_(fmt::format("the force for {} is not a finite number", device)) {
         text_.reserve(kLongestText);
     }
 

@@ -77,7 +77,7 @@ enum class PageKind : std::uint8_t {
     kQuestion
 };
 inline constexpr std::size_t kPageKinds = static_cast<std::size_t>(PageKind::kQuestion) + 1;
-// A trial follows when the experimenter says so, or the subject, if the protocol allows it.
+// The experimenter starts the next trial, or the subject if the protocol allows it.
 constexpr bool waits_to_go_on(PageKind kind) {
     return kind == PageKind::kWelcome || kind == PageKind::kPractice || kind == PageKind::kReady;
 }

@@ -7,9 +7,10 @@
 
 namespace thimble {
 
-// The one of `names` that the fewest inserted, left out, changed or swapped neighbouring letters make of `typed`; letter case
-// counts nothing, nor do units at the end: "delay_ms" is "delay_s". Else the shortest with `typed` among its words, "position" for
-// "position_scale". Empty if that takes more than a third of its letters (one is always allowed): then it is another word.
+// Returns the name with the smallest edit distance to `typed` (insertion, deletion, substitution, swap of
+// neighbours). Case and unit suffixes do not count: "delay_ms" matches "delay_s". Else the shortest name with `typed`
+// among its words: "position" matches "position_scale". Empty beyond a third of the letters (one edit is always
+// allowed).
 std::string nearest_name(std::string_view typed, const std::vector<std::string>& names);
 
 }  // namespace thimble

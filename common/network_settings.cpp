@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/decimal_text.hpp"
+#include "common/error.hpp"
+
 namespace thimble {
 
 namespace {
@@ -56,6 +59,21 @@ Port stop_port(Role role) {
     return kStopPorts[i];
 }
 
+std::optional<Endpoint> endpoint_in(const std::string& text, const std::string& otherwise) {
+    const std::size_t colon = text.rfind(':');
+    const bool named = colon != std::string::npos;
+    const std::string host = named ? text.substr(0, colon) : otherwise;
+    const auto port = parse_whole<std::uint16_t>(std::string_view(text).substr(named ? colon + 1 : 0));
+    if (!port || host.empty()) return std::nullopt;
+    return Endpoint{host, *port};
+}
+
+Endpoint read_endpoint(const std::string& text, std::string_view option, const std::string& otherwise) {
+    if (auto endpoint = endpoint_in(text, otherwise)) return *endpoint;
+    throw Error(ExitCode::kUsage, "{}: '{}' is not PORT or HOST:PORT, with a port from 0 to 65535", option,
+                text);
+}
+
 Endpoint NetworkSettings::at(Port port) const {
     return {host(owner(port)), static_cast<std::uint16_t>(base_port + static_cast<std::uint16_t>(port))};
 }
@@ -70,15 +88,15 @@ NetworkSettings read_network_settings(const ConfigFile& file) {
     const ConfigTable table = file.table("network");
     NetworkSettings settings;
     settings.security = read_security_settings(file);
-    table.read(
-        "base_port", settings.base_port, 1024, 65536 - kPorts,
-        "First of 33 UDP ports (docs/machines.md). Each further condition takes the next 33: leave room.");
+    table.read("base_port", settings.base_port, 1024, 65536 - kPorts,
+               "First of 33 UDP ports (docs/protocol.md). Each further condition uses the next 33.");
     for (std::size_t i = 0; i < settings.hosts.size(); ++i) {
         const auto role = static_cast<Role>(i);
         table.read(fmt::format("host_{}", to_string(role)), settings.hosts[i],
                    role == owner(Port::kExperimenterMonitor)
-                       ? "Name or address where it is at first. Under a key it may change."
-                       : "Name or address where it listens, and the only host it is heard from.");
+                       ? "Name or address of the view at the start; with a key it may change later."
+                       : "Name or address where this program listens; its datagrams are accepted from this "
+                         "host only.");
     }
     return settings;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -65,7 +66,7 @@ inline constexpr auto kEveryPort = [] {
     return ports;
 }();
 
-// The flow at a port: receiver, sender, content. The table of docs/machines.md is made of these.
+// The flow at a port: receiver, sender, content. docs/protocol.md has all of them.
 struct Flow {
     Role listens = Role::kSession, hears = Role::kSession;
     const char* what = "";
@@ -73,12 +74,12 @@ struct Flow {
     bool from_all = false;   // the machines of every role are heard, not only that of `hears`
 };
 const Flow& flow(Port port);
-// Where everybody hears of a stop.
+// The listening ports of the stop buses.
 inline constexpr std::array kStopPorts{Port::kSessionStop,   Port::kMasterStop, Port::kSlaveStop,
                                        Port::kCutaneousStop, Port::kVisualStop, Port::kNetemStop};
 // The program that listens at the port.
 Role owner(Port port);
-// The end of a program that only looks: its address may change while the session runs (docs/security.md).
+// True for the port of a view, whose address may change while the session runs (docs/security.md).
 constexpr bool may_move(Port port) { return port == Port::kExperimenterMonitor; }
 // Where a program of the session hears of stops. A view has no such port.
 Port stop_port(Role role);
@@ -87,6 +88,10 @@ struct Endpoint {
     std::string host;
     std::uint16_t port = 0;
 };
+// Reads "9870" or "lab-pc:9870". `otherwise` is the host where the text names none. Nothing for any other text, or without a host.
+std::optional<Endpoint> endpoint_in(const std::string& text, const std::string& otherwise);
+// The same. Throws Error (usage) naming `option`.
+Endpoint read_endpoint(const std::string& text, std::string_view option, const std::string& otherwise);
 
 struct NetworkSettings {
     SecuritySettings security;  // table [security]

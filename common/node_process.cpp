@@ -29,14 +29,16 @@ void NodeProcess::tick(SessionTime now) {
 }
 
 SessionTime NodeProcess::next_wakeup() const {
-    return std::min(std::min(next_heartbeat_, next_work()), stop_.next());
+    const SessionTime work = next_work(), other = std::min(next_heartbeat_, stop_.next());
+    return work < other ? work : other;
 }
 
-void NodeProcess::obey_stop(SessionTime now) {
+// Each of a tick's parts is called here only: the compiler makes one function of them.
+inline void NodeProcess::obey_stop(SessionTime now) {
     if (stop_.stopped() && running()) give_up(now, stop_.reason());
 }
 
-void NodeProcess::take_stop_requests(SessionTime now) {
+inline void NodeProcess::take_stop_requests(SessionTime now) {
     const StopRequest request = wants_stop(now);
     if (is_stop(request.reason)) stop_everything(now, request.reason, request.words);
 }
@@ -70,10 +72,10 @@ FlowCounters NodeProcess::counters() const {
 void NodeProcess::set_state(NodeState state, EndReason reason) {
     state_ = state;
     reason_ = reason;
-    next_heartbeat_ = {};  // say so at once
+    next_heartbeat_ = {};  // report the change at once
 }
 
-void NodeProcess::take_orders(SessionTime now) {
+inline void NodeProcess::take_orders(SessionTime now) {
     while (const Message* message = orders_.receive(now, *control_)) {
         const auto* control = std::get_if<SessionControl>(&message->body);
         if (control != nullptr) {
@@ -132,7 +134,7 @@ void NodeProcess::take_network(SessionTime now, const SessionControl& control) {
     network_changed(now, control);
 }
 
-void NodeProcess::give_up_if_alone(SessionTime now) {
+inline void NodeProcess::give_up_if_alone(SessionTime now) {
     if (!running()) return;
     if (!fault().empty()) return give_up(now, EndReason::kDeviceFault);
     const InboundFlow* vital = vital_flow();
@@ -148,8 +150,8 @@ SessionTime NodeProcess::patient_until() {
     return heard + kPeerTimeout;
 }
 
-void NodeProcess::excuse_standstill() {
-    if (ticks_.stood_still() == Duration{}) return;  // as a rule
+inline void NodeProcess::excuse_standstill() {
+    if (ticks_.stood_still() == Duration{}) return;  // the usual case
     orders_.did_not_listen(ticks_.stood_still());
     if (InboundFlow* vital = vital_flow()) vital->did_not_listen(ticks_.stood_still());
 }

@@ -1,4 +1,5 @@
-// The duties of every node process besides its own work: obey the session, send heartbeats, and stop safely when the session or a peer falls silent. Derived classes add begin_trial / work / end_trial.
+// The duties of every node process besides its own work: obey the session, send heartbeats, and stop safely when the
+// session or a peer falls silent. Derived classes add begin_trial / work / end_trial.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,7 @@ class TickTimes {
         last_ = now;
     }
     Duration since_last() const { return since_last_; }
-    // Of that time, the part that says nothing about the others (InboundFlow::did_not_listen).
+    // The part of that time in which no silence counts against a peer (InboundFlow::did_not_listen).
     Duration stood_still() const { return std::max(since_last_ - kHeartbeatPeriod, Duration{}); }
 
   private:
@@ -38,14 +39,14 @@ class TickTimes {
 inline Duration first_answer_within(const SessionControl& control) {
     return from_seconds(control.network_delay_s);
 }
-// Of a NetworkChange: the new delay of both ways together, jitter included. An input may be silent for so long.
+// NetworkChange: new delay of both ways together, jitter included. An input may be silent for this long.
 inline Duration silence_of_change(const SessionControl& control) { return from_seconds(control.silence_s); }
 
-// What a node does that misses its deadlines again and again: say so; also have its outputs at rest until it is in time again;
-// also stop everything.
+// Reaction to repeated deadline misses. All give a warning. kRest also keeps the outputs at rest until the node is in time again.
+// kStop also stops everything.
 enum class OverrunPolicy : std::uint8_t { kWarn, kRest, kStop };
 
-// A request to stop everything; is_stop(reason) says that there is one.
+// A request to stop everything; kNone: no request.
 struct StopRequest {
     EndReason reason = EndReason::kNone;
     std::string_view words{};  // who and why
@@ -59,21 +60,22 @@ class NodeProcess : public Process {
     void tick(SessionTime now) final;
     SessionTime next_wakeup() const final;
     bool stopped() const final { return stopped_; }
-    // Before then no silence ends the trial, even if all that comes is refused.
+    // Earliest time at which silence can end the trial.
     SessionTime patient_until();
 
-    // A trial that cannot be written down is given up, as one whose device fails. `recorder` outlives this.
+    // If the recorder fails, the trial ends as with a failed device. `recorder` outlives this.
     void record_with(const Recorder& recorder) { recorder_ = &recorder; }
 
-    // Where stops are heard and said (stop_bus.hpp); without it a stop here reaches the others by the session only.
+    // Connects the stop bus (stop_bus.hpp). Without it a stop of this node reaches the others through the session
+    // only.
     void join_stop_bus(Channel& in, const StopOutlets& out) { stop_.connect(in, out); }
     void join_stop_bus(Ports& ports) { stop_.connect(*ports.inlet(stop_port(role_)), stop_outlets(ports)); }
     // A person at this program stops everything, now.
     void stop_everything(SessionTime now, EndReason reason, std::string_view words);
     const StopBus& stop_bus() const { return stop_; }
 
-    // The loop was late for so many deadlines in a row; 0: in time again. Called after each tick. The node is late from
-    // `limit` on; what that means says the policy.
+    // Number of deadlines missed in a row; 0: in time again. Called after each tick. From `limit` on the node counts
+    // as late and the policy acts.
     void set_overrun(OverrunPolicy policy, unsigned limit) {
         overrun_ = policy;
         overrun_limit_ = limit;
@@ -93,8 +95,8 @@ class NodeProcess : public Process {
     // Also when the trial is given up: afterwards no force, nothing in flight.
     virtual void end_trial(SessionTime now) = 0;
     virtual void obey(SessionTime /*now*/, const SessionControl& /*control*/) {}
-    // Another network holds from now on: control.network, its force path at control.network_delay_s one way. Once per
-    // change, however often it is said; also between trials.
+    // The network has changed: control.network, with control.network_delay_s one way on its force path. Called once
+    // per change, also between trials.
     virtual void network_changed(SessionTime /*now*/, const SessionControl& /*control*/) {}
     // The text for the subject between trials. False: this node has no screen, and the message is refused.
     virtual bool read_page(SessionTime /*now*/, const Page& /*page*/) { return false; }
@@ -103,17 +105,17 @@ class NodeProcess : public Process {
     virtual SessionTime next_work() const = 0;
     // The input that this node cannot do without; null: none. Its silence for kPeerTimeout ends the trial.
     virtual InboundFlow* vital_flow() { return nullptr; }
-    // A button of the device, the subject's key, a guard before the device: everything is to stop. Asked after each work(),
-    // also between trials.
+    // Asked after each work(), also between trials: a button of the device, the subject's key or the guard may
+    // request a stop.
     virtual StopRequest wants_stop(SessionTime /*now*/) { return {}; }
     // Outputs at rest until the next input, the trial goes on: the node is resting(). Called after work().
     virtual void rest(SessionTime /*now*/) {}
-    // Empty while the node's device works; else which one, why, and what to do. It ends the trial.
+    // Empty while the node's device works; else which device failed, why, and what to do. A fault ends the trial.
     virtual std::string_view device_fault() const { return {}; }
     virtual void add_counters(FlowCounters& /*sum*/) const {}
     virtual void describe(Heartbeat& /*heartbeat*/) const {}
 
-    // Since the tick before this one. A program that was stopped, or got no time, finds old messages waiting that look new.
+    // Since the previous tick. After a long pause of this program old messages wait in the channels and look new.
     Duration since_last_tick() const { return ticks_.since_last(); }
     bool running() const { return state_ == NodeState::kRunning || state_ == NodeState::kFinished; }
     // True while the node is late under OverrunPolicy::kRest. Then work() must not give any output.
@@ -121,7 +123,7 @@ class NodeProcess : public Process {
     std::uint32_t trial() const { return trial_; }
     std::uint64_t instance() const { return instance_; }
     void set_state(NodeState state, EndReason reason = EndReason::kNone);
-    // Beside the heartbeats.
+    // Sends a message to the session besides the heartbeats.
     template <class Body>
     void tell_session(SessionTime now, const Body& body) {
         heartbeats_.send(now, trial_, body);

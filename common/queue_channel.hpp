@@ -15,7 +15,8 @@ namespace thimble {
 class QueueChannel final : public Channel {
   public:
     // `capacity` datagrams wait at most; one more is lost and counted. A power of two.
-    explicit QueueChannel(std::size_t capacity = 64) : capacity_(capacity), slots_(new Slot[capacity]) {
+    explicit QueueChannel(std::size_t capacity = 64)
+        : last_(capacity - 1), shared_(new SharedMessage*[capacity]), slots_(new Slot[capacity]) {
         assert(std::has_single_bit(capacity) && capacity > 1);
         known_empty_ = true;
     }
@@ -41,27 +42,26 @@ class QueueChannel final : public Channel {
 
   private:
     struct alignas(16) Slot {
-        SharedMessage* shared;  // instead of bytes
         std::uint32_t size;
         alignas(16) std::uint8_t bytes[kMaxDatagramBytes];
     };
-    Slot& slot(std::uint64_t place) { return slots_[place & (capacity_ - 1)]; }
+    SharedMessage*& shared(std::uint64_t place) { return shared_[place & last_]; }
+    Slot& slot(std::uint64_t place) { return slots_[place & last_]; }
 
     Bytes take() override {
-        Slot& taken = take_slot();
-        if (taken.shared != nullptr) put(taken, pool_->bytes_of(*taken.shared));
+        Slot& taken = slot(head_);
+        if (SharedMessage* const message = take_place()) put(taken, pool_->bytes_of(*message));
         return {taken.bytes, taken.size};
     }
-    SharedMessage* take_shared() override { return take_slot().shared; }
+    SharedMessage* take_shared() override { return take_place(); }
 
-    // A message is kept until the next one is taken.
-    Slot& take_slot() {
+    // A message is kept until the next one is taken. Null: bytes are in the slot.
+    SharedMessage* take_place() {
         if (kept_ != nullptr) pool_->release(*kept_);
-        Slot& taken = slot(head_++);
-        kept_ = taken.shared;
+        kept_ = shared(head_++);
         known_empty_ = head_ == tail_;
-        shared_waits_ = !known_empty_ && slot(head_).shared != nullptr;
-        return taken;
+        shared_waits_ = !known_empty_ && shared(head_) != nullptr;
+        return kept_;
     }
 
     static void put(Slot& slot, Bytes datagram) {
@@ -70,40 +70,37 @@ class QueueChannel final : public Channel {
     }
 
     void deliver(Bytes datagram) {
-        Slot* free = datagram.size() > kMaxDatagramBytes ? nullptr : free_slot();
-        if (free == nullptr) {
+        if (datagram.size() > kMaxDatagramBytes || !has_room()) {
             ++lost_;
             return;
         }
-        free->shared = nullptr;
-        put(*free, datagram);
-        arrived();
+        put(slot(tail_), datagram);
+        arrived(nullptr);
     }
     void deliver(SharedMessage& message) {
-        Slot* free = free_slot();
-        if (free == nullptr) {
+        if (!has_room()) {
             ++lost_;
             return;
         }
-        free->shared = &message;
         ++message.users;
-        arrived();
+        arrived(&message);
     }
 
-    Slot* free_slot() {
+    bool has_room() {
         // A channel that is drained at once uses one slot, always in the cache.
         if (released_) head_ = tail_ = 0;
-        // One slot stays free: it is the one a receiver may still be reading.
-        return tail_ - head_ + 1 >= capacity_ ? nullptr : &slot(tail_);
+        // One slot stays free: a receiver may still be reading it.
+        return tail_ - head_ < last_;
     }
-    void arrived() {
-        ++tail_;
-        shared_waits_ = slot(head_).shared != nullptr;
+    void arrived(SharedMessage* message) {
+        shared(tail_++) = message;
+        shared_waits_ = shared(head_) != nullptr;
         known_empty_ = released_ = false;
         if (mask_ != nullptr) *mask_ |= bit_;
     }
 
-    std::size_t capacity_;
+    std::uint64_t last_;                        // place; the capacity is a power of two
+    std::unique_ptr<SharedMessage*[]> shared_;  // null: bytes in the slot of this place
     std::unique_ptr<Slot[]> slots_;
     std::uint64_t head_ = 0, tail_ = 0;  // next to receive, next to fill
     std::uint64_t lost_ = 0;

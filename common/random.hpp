@@ -1,6 +1,6 @@
-// Counter-based random numbers: a stream is a key and a counter, so subject 7 draws the same numbers alone,
-// in a batch, resumed, or after somebody added a trial. Philox 4x32-10 (Salmon, Moraes, Dror and Shaw,
-// "Parallel random numbers: as easy as 1, 2, 3", SC11).
+// Counter-based random numbers: a stream is a key and a counter. So subject 7 draws the same numbers alone, in a
+// batch, after a resume, or after a trial was added. Philox 4x32-10 (Salmon, Moraes, Dror and Shaw, "Parallel random
+// numbers: as easy as 1, 2, 3", SC11).
 #pragma once
 
 #include <array>

@@ -24,7 +24,7 @@ struct SharedMessage {
 // more than that memory.
 class MessagePool : boost::noncopyable {
   public:
-    // Any message, with the caller as its user.
+    // A free message, with the caller as its only user.
     SharedMessage& take() {
         if (free_ == nullptr) grow();
         SharedMessage& taken = *free_;
@@ -42,7 +42,7 @@ class MessagePool : boost::noncopyable {
     std::size_t size() const { return size_; }
 
   private:
-    // By as many as there are: seldom, and never again once a session is under way.
+    // Doubles the pool; never once a session is under way.
     void grow() {
         const std::size_t count = std::max<std::size_t>(size_, 64);
         chunks_.push_back(std::make_unique<SharedMessage[]>(count));

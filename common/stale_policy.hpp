@@ -27,7 +27,7 @@ struct StalePolicy {
     Duration ramp = std::chrono::milliseconds{20};
 
     bool stale(Duration silence) const { return silence >= after; }
-    // The remaining share of the output, 1 to 0, after so long a silence.
+    // The share of the output that remains after this silence, 1 to 0.
     double share(Duration silence) const {
         if (!stale(silence) || mode == StaleMode::kHold) return 1;
         if (mode == StaleMode::kZero || ramp <= Duration::zero()) return 0;
@@ -46,14 +46,14 @@ struct StalePolicy {
 inline StalePolicy read_stale_policy(const ConfigTable& table, StalePolicy defaults, Duration shortest,
                                      Duration longest) {
     StalePolicy policy = defaults;
-    table.read(
-        "stale", policy.mode, kStaleModeNames,
-        "Without feedback keep the last output (hold), let it fall (ramp), or have none at once (zero).");
+    table.read("stale", policy.mode, kStaleModeNames,
+               "Output when feedback stops. hold: keep the last value; ramp: reduce it to zero; zero: zero "
+               "at once.");
     table.read("stale_after_s", policy.after, to_seconds(shortest), to_seconds(longest),
-               "Without feedback for so long the output does what stale says.");
-    table.read("stale_ramp_s", policy.ramp, 0, 1, "ramp: how long the output takes to fall.");
+               "Time without feedback after which stale applies.");
+    table.read("stale_ramp_s", policy.ramp, 0, 1, "ramp: time from the last value to zero.");
     if (table.has("stale_ramp_s") && policy.mode != StaleMode::kRamp) {
-        table.fail("stale_ramp_s", "is of stale = \"ramp\" only, and stale is \"{}\"",
+        table.fail("stale_ramp_s", "has an effect with stale = \"ramp\" only, and stale is \"{}\"",
                    to_string(policy.mode));
     }
     return policy;

@@ -7,7 +7,7 @@
 namespace thimble {
 namespace {
 
-// Years are as long as it needs to be.
+// Saturates: a stop that is held for 49 days needs no exact age.
 std::uint32_t whole_milliseconds(Duration time) {
     constexpr std::int64_t kMost = std::numeric_limits<std::uint32_t>::max();
     return static_cast<std::uint32_t>(
@@ -23,7 +23,7 @@ void StopBus::connect(Channel& in, const StopOutlets& out) {
     out_ = OutboundFlow(role_, instance_, {out[0], out[1], out[2], out[3], out[4], out[5]});
 }
 
-void StopBus::tick(SessionTime now) {
+void StopBus::hear_and_say(SessionTime now) {
     if (in_ != nullptr && !in_->known_empty()) {
         for (int taken = 0; taken < kMostRefusedAtOnce; ++taken) {
             const Bytes in = in_->receive();
@@ -48,7 +48,7 @@ void StopBus::say_what_is_due(SessionTime now) {
     next_ = saying_ || releases_left_ > 0 ? std::min(now + kStopRepeat, next_passed_on_) : next_passed_on_;
 }
 
-// From any sender, with any number: a stop must not be refused because of its sender.
+// Accepts every sender and every sequence number: a stop must not be refused for either.
 void StopBus::take(SessionTime now, Bytes datagram) {
     std::optional<Refusal> refusal = decode_into(datagram, message_);
     const auto* order = !refusal ? std::get_if<StopOrder>(&message_.body) : nullptr;
@@ -69,7 +69,7 @@ void StopBus::obey(SessionTime now, Role sender, const StopOrder& order) {
         return;
     }
     if (order.kind == StopKind::kAsk) return answer(now);
-    if (may_release(sender)) return let_go(now, order.id);
+    if (may_release(sender)) return release_one(now, order.id);
     --counters_.accepted;
     ++counters_.refused[static_cast<std::size_t>(Refusal::kUnexpectedKind)];
 }
@@ -84,16 +84,15 @@ void StopBus::hold(SessionTime now, Role sender, const StopOrder& order) {
     next_ = std::min(next_, next_passed_on_);
 }
 
-// More at once than there are places: the two newest become one with a number of its own, which no release that was made before
-// can name.
+// The list is full: the two newest stops become one with a new number, which no earlier release can name.
 void StopBus::make_room(SessionTime now) {
     held_.pop_back();
     held_.back().order.id = new_id();
     held_.back().since = now;
 }
 
-// A second press meanwhile is another stop, which the release did not know.
-void StopBus::let_go(SessionTime now, std::uint64_t id) {
+// A second press in the meantime is a stop of its own: the release does not name it.
+void StopBus::release_one(SessionTime now, std::uint64_t id) {
     if (!released(id)) released_.push_back(id);
     if (const auto found = find(id); found != held_.end()) {
         last_ = *found;
@@ -104,7 +103,7 @@ void StopBus::let_go(SessionTime now, std::uint64_t id) {
     if (now < pressed_until_) say(now, own_.reason, own_.words());
 }
 
-// A program still holds or repeats a released stop: the release has not reached it.
+// Repeats the release for a program that still holds the stop: it has missed the release.
 void StopBus::remind(SessionTime now, std::uint64_t id) {
     if (!may_release(role_) || now < next_reminder_) return;
     next_reminder_ = now + kStopRepeat;
@@ -147,7 +146,7 @@ void StopBus::release(SessionTime now) {
     for (const Held& held : held_) {
         if (now - held.since >= kHeldAtLeast) releasing_.push_back(held.order.id);
     }
-    for (const std::uint64_t id : releasing_) let_go(now, id);
+    for (const std::uint64_t id : releasing_) release_one(now, id);
     releases_left_ = releasing_.empty() ? 0 : kReleaseTimes;
     next_ = now;
     tick(now);

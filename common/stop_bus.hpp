@@ -1,10 +1,12 @@
-// The stop bus: one channel per program on which everybody hears everybody, beside the session and not by way of it. A program that stops repeats the stop until a person releases it on purpose. Until then no trial begins anywhere.
+// Emergency-stop bus: every program sends to every other one, without the session in between. A program that stops
+// repeats the stop until a person releases it. Until then no trial begins anywhere.
 //
-// Each stop has a random number, and a release names that of the stop which it lets go of: what is said again, comes late or was
-// recorded, here or at another session, lets go of nothing else. Who holds a stop passes it on every kStopPassedOn, so that the
-// session knows them all and who is started anew is stopped too; and he answers a question, and a stop of the experimenter's, with what
-// he holds and for how long, so that somebody who has just come can name what was held before he came (stop_inquiry.hpp), and a stop
-// pressed meanwhile holds.
+// Each stop has a random number. A release names the number of one stop, so a repeated, late or recorded release
+// affects no other stop. Each program rebroadcasts its active stops every kStopPassedOn: so the session knows them
+// all, and a restarted program is stopped too. It answers a question, and a stop of the experimenter, with its active
+// stops and their ages. So a program that has just started can name the stops from before its start
+// (stop_inquiry.hpp), and a stop pressed meanwhile stays active.
+//
 // Any program may stop. Only the session and the experimenter may release. No clock: `now` is the caller's.
 #pragma once
 
@@ -21,42 +23,45 @@
 
 namespace thimble {
 
-// How often a stop is said while it holds, and a release for kReleaseTimes.
+// Period of repeats: of a stop while it is held, and of a release kReleaseTimes times.
 inline constexpr Duration kStopRepeat = std::chrono::milliseconds{50};
 inline constexpr int kReleaseTimes = 10;
 inline constexpr Duration kStopPassedOn = std::chrono::milliseconds{500};
-// A question is answered at most so often, so that replayed questions make no flood.
+// Least time between two answers, so that replayed questions cause no flood.
 inline constexpr Duration kAnswerEvery = std::chrono::milliseconds{10};
-// Shorter than a person needs to find out the reason of a stop.
+// A release needs a stop that was held this long: a person needs longer to find its reason.
 inline constexpr Duration kHeldAtLeast = std::chrono::milliseconds{200};
-// A press so shortly before a release arrives is a stop that the release does not mean. Longer than a release takes.
+// A press within this time before a release survives it: the person who released cannot have known of it.
 inline constexpr Duration kPressedLately = std::chrono::seconds{1};
 // The end of every message about a stop.
 inline constexpr std::string_view kHowToRelease = "release it with: thimble stop --release";
 
-// Where the programs of a session hear of stops, in the order of kStopPorts (network_settings.hpp).
+// Outlets to the stop buses of all programs, in the order of kStopPorts (network_settings.hpp).
 using StopOutlets = std::array<Channel*, 6>;
 
 class StopBus {
   public:
     // `instance`: random per process start.
     StopBus(Role role, std::uint64_t instance) : role_(role), instance_(instance), out_(role, instance, {}) {}
-    // `in`: where this program hears; `out`: where the others do, its own place may be among them. All outlive the line. Without
-    // it a stop holds here only.
+    // `in`: this program's inlet; `out`: outlets to the others, its own may be among them. All outlive the bus.
+    // Without it a stop holds in this program only.
     void connect(Channel& in, const StopOutlets& out);
 
-    // Takes what has come, says what is due.
-    void tick(SessionTime now);
+    // Takes the messages that have arrived and sends what is due.
+    void tick(SessionTime now) {
+        if (now >= next_ || (in_ != nullptr && !in_->known_empty())) hear_and_say(now);
+    }
     SessionTime next() const { return next_; }
 
-    // Stops everything (is_stop(reason)); harmless where it holds already, but that an emergency stop so said holds on when the one
-    // before it is released within kPressedLately. `words`: who and why, without how to release.
+    // Stops everything (is_stop(reason)). Repeating a stop changes nothing, with one exception: an emergency stop
+    // that is repeated within kPressedLately before a release survives the release. `words`: who stopped and why,
+    // without how to release.
     void stop(SessionTime now, EndReason reason, std::string_view words);
     // Releases the stops that have been held for kHeldAtLeast.
     void release(SessionTime now);
 
     bool stopped() const { return !held_.empty(); }
-    // Of the oldest stop that holds, and once released of the last one.
+    // The reason of the oldest stop that holds; after the release that of the last one.
     EndReason reason() const { return shown().order.reason; }
     std::string_view words() const { return shown().order.words(); }
     Role raised_by() const { return shown().from; }
@@ -70,12 +75,13 @@ class StopBus {
         SessionTime since{};
     };
 
+    void hear_and_say(SessionTime now);
     void take(SessionTime now, Bytes datagram);
     void obey(SessionTime now, Role sender, const StopOrder& order);
     void hold(SessionTime now, Role sender, const StopOrder& order);
     void make_room(SessionTime now);
     void say(SessionTime now, EndReason reason, std::string_view words);
-    void let_go(SessionTime now, std::uint64_t id);
+    void release_one(SessionTime now, std::uint64_t id);
     void remind(SessionTime now, std::uint64_t id);
     void answer(SessionTime now);
     void say_what_is_due(SessionTime now);
@@ -92,9 +98,7 @@ class StopBus {
     Role role_;
     std::uint64_t instance_;
     std::uint64_t made_ = 0;
-    Channel* in_ = nullptr;
     OutboundFlow out_;
-    boost::container::static_vector<Held, kHeld> held_;            // oldest first
     Held last_;                                                    // that was released
     boost::circular_buffer<std::uint64_t> released_{kRemembered};  // stops
     StopOrder own_;
@@ -102,12 +106,16 @@ class StopBus {
     SessionTime pressed_until_{};  // again, while saying; plus kPressedLately
     boost::container::static_vector<std::uint64_t, kHeld> releasing_;  // stops
     int releases_left_ = 0;
-    SessionTime next_ = kNever, next_passed_on_ = kNever;
+    SessionTime next_passed_on_ = kNever;
     SessionTime next_reminder_{}, next_answer_{};
     Encoder encoder_;
     std::uint32_t answers_ = 0;
     FlowCounters counters_;
     Message message_;
+    // Last: each tick reads these, and how many are held.
+    boost::container::static_vector<Held, kHeld> held_;  // oldest first
+    Channel* in_ = nullptr;
+    SessionTime next_ = kNever;
 };
 
 }  // namespace thimble

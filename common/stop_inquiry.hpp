@@ -1,6 +1,6 @@
-// Asks the programs of a session which stops they hold, for a program outside the session (stop_bus.hpp). An answer says for
-// how long: what was pressed after this began is told from what holds since before it, whoever plays which question or answer
-// again, and however slow the network or this program. No clock: `now` is the caller's.
+// Asks the programs of a session which stops they hold, for a program outside the session (stop_bus.hpp). Answers
+// carry the age of each stop. So stops pressed after the inquiry began are separate from older ones, also with
+// replayed messages and slow networks. No clock: `now` is the caller's.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ struct LatchedStop {
 
 class StopInquiry {
   public:
-    // `at`: where the programs hear stops, and whence their answers come; outlives this, as `out`, which sends there.
+    // `at`: the stop buses of the programs, from which the answers come. `out` sends there. Both outlive this.
     StopInquiry(OutboundFlow& out, const StopOutlets& at) : out_(&out), at_(at) {
         held_.reserve(kMostAnswers);
     }
@@ -37,7 +37,7 @@ class StopInquiry {
         for (Channel* channel : at_) hear(now, *channel);
     }
 
-    // Each stop once for each program that holds it.
+    // One entry per stop and program.
     const std::vector<LatchedStop>& held() const { return held_; }
 
   private:
@@ -49,7 +49,7 @@ class StopInquiry {
             if (decode_into(in, message_)) continue;
             const auto* order = std::get_if<StopOrder>(&message_.body);
             if (order == nullptr || order->kind != StopKind::kStop) continue;
-            // It had been held for so long when it was answered, which was before now.
+            // The age is that at the answer, which was sent before now.
             const Duration held = std::chrono::milliseconds{order->held_ms};
             note({message_.header.sender, *order, held >= std::max<Duration>(kHeldAtLeast, now - begun_)});
         }

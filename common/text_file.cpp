@@ -15,7 +15,7 @@
 namespace thimble {
 namespace {
 
-// Streams, and links to them.
+// True for streams of the system and links to them.
 bool is_of_the_system(const std::filesystem::path& file) {
     const std::string folder = file.parent_path().string();
     return folder == "/dev" || folder.starts_with("/dev/fd") || folder.starts_with("/proc/");
@@ -34,13 +34,13 @@ bool write_all(int descriptor, std::string_view text) {
 const char* advice_on(int error) {
     switch (error) {
         case EROFS:
-            return "; name a folder on a disk that can be written to";
+            return "; name a folder on a writable disk";
         case EMFILE:
         case ENFILE:
             return descriptor_advice(error);
         case ENOSPC:
         case EDQUOT:
-            return "; make room on that disk";
+            return "; free space on that disk";
         default:
             return "; check directory and permissions";
     }
@@ -59,10 +59,10 @@ const char* descriptor_advice(int error) {
 
 void fail_to_create(const std::filesystem::path& file, int error, ExitCode otherwise) {
     if (error == ELOOP) {
-        throw Error(ExitCode::kUsage,
-                    "{}: is a symbolic link, and nothing is written through one: remove it, or name another "
-                    "folder",
-                    file.string());
+        throw Error(
+            ExitCode::kUsage,
+            "{}: is a symbolic link, which is never written through: remove it, or name another folder",
+            file.string());
     }
     const bool no_room = error == EMFILE || error == ENFILE || error == ENOSPC || error == EDQUOT;
     throw Error(no_room ? ExitCode::kRunFailed : otherwise, "{}: cannot be created: {}{}", file.string(),
@@ -92,8 +92,7 @@ void refuse_half_read(const std::istream& stream, const std::filesystem::path& f
     if (stream.bad())
         throw Error(
             ExitCode::kData,
-            "{}: cannot be read to its end: the disk or the network that it lies on failed; try again, "
-            "or restore the file",
+            "{}: cannot be read to its end: its disk or network failed; try again, or restore the file",
             file.string());
 }
 
@@ -105,6 +104,24 @@ std::string read_to_end(std::istream& stream, const std::filesystem::path& file,
         text.append(block, 0, std::min(static_cast<std::size_t>(stream.gcount()), most + 1 - text.size()));
     refuse_half_read(stream, file);
     return text;
+}
+
+std::string read_text_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return read_to_end(file, path);
+}
+
+std::string read_whole_file(const std::filesystem::path& path, std::size_t most) {
+    refuse_folder(path, ExitCode::kData);
+    std::ifstream file(path, std::ios::binary);
+    if (!file) {
+        throw Error(ExitCode::kData,
+                    "{}: cannot be read; check that the file exists and that you may read it", path.string());
+    }
+    // Reads to the end instead of by size: a pipe has none.
+    std::string text = read_to_end(file, path, most);
+    if (text.size() <= most) return text;
+    throw Error(ExitCode::kData, "{}: is larger than {} bytes, the limit", path.string(), most);
 }
 
 std::string sha256_of_file(const std::filesystem::path& path) {
@@ -126,7 +143,7 @@ std::string sha256_of_file(const std::filesystem::path& path) {
 void refuse_folder(const std::filesystem::path& file, ExitCode code) {
     std::error_code unknown;
     if (!std::filesystem::is_directory(file, unknown)) return;
-    throw Error(code, "{}: is a folder, and a file is meant: name a file", file.string());
+    throw Error(code, "{}: is a folder; name a file", file.string());
 }
 
 void make_folder(const std::filesystem::path& folder) {
@@ -136,8 +153,7 @@ void make_folder(const std::filesystem::path& folder) {
     for (auto part = folder; failure && part.has_relative_path(); part = part.parent_path()) {
         if (!std::filesystem::exists(part, unknown)) continue;
         if (std::filesystem::is_directory(part, unknown)) break;
-        throw Error(ExitCode::kUsage, "{}: is a file, and a folder is meant: name another folder",
-                    part.string());
+        throw Error(ExitCode::kUsage, "{}: is a file; name a folder", part.string());
     }
     if (failure) {
         throw Error(ExitCode::kUsage,

@@ -30,6 +30,11 @@ const char* descriptor_advice(int error);
 // Takes away an earlier result, if there is one. Throws Error (usage) naming it if that is not allowed.
 void remove_file(const std::filesystem::path& file);
 
+// The file's bytes; none, if it cannot be opened. Throws Error (data) as read_to_end() does.
+std::string read_text_file(const std::filesystem::path& path);
+// The whole file. Throws Error (data) if it cannot be read or is larger than `most`.
+std::string read_whole_file(const std::filesystem::path& path, std::size_t most = std::size_t{512} << 20);
+
 // The rest of that file's stream, but no more than a byte beyond `most`. Throws Error (data) naming the file if the system fails to
 // read on: a stream by itself takes that for the file's end.
 std::string read_to_end(std::istream& stream, const std::filesystem::path& file,

@@ -2,10 +2,10 @@
 //
 //   the velocity is the slope of the smooth position between two samples,  v_k = (y_k - y_{k-1}) / dt,
 //
-// which a first-order hold along y relies on: whoever moves from one smooth position to the next moves with
+// which a first-order hold along y relies on: a needle that moves from one smooth position to the next moves with
 // exactly the estimated velocity. dt is the true distance between two samples, so lost and late samples do no
 // harm. How y follows the samples, its lag and what one quantum does stand in each method's header;
-// docs/velocity.md compares them.
+// docs/speed.md compares them.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ inline constexpr std::array<std::string_view, 5> kVelocityMethodNames{"low_pass"
                                                                       "kalman"};
 
 struct VelocitySettings {
-    VelocityMethod method = VelocityMethod::kKalman;        // why: docs/velocity.md
+    VelocityMethod method = VelocityMethod::kKalman;        // why: docs/speed.md
     Duration time_constant = std::chrono::milliseconds{5};  // low_pass; >= 0
     Duration window = std::chrono::milliseconds{20};        // windowed; foaw: the longest; > 0
     FoawFit fit = FoawFit::kBest;                           // foaw

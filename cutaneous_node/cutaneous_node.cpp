@@ -3,7 +3,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "common/control/scaled_force.hpp"
+#include "common/control/control_settings.hpp"
 
 namespace thimble {
 
@@ -62,7 +62,7 @@ std::optional<Percept> CutaneousNode::percept(SessionTime now) {
     return percept;
 }
 
-// The feedback has stopped.
+// Fades the force after the feedback has stopped.
 void CutaneousNode::fade(SessionTime now) {
     const Duration silence = now - last_feedback_;
     if (released_ || !settings_.stale.stale(silence)) return;

@@ -1,7 +1,7 @@
 // Sensory subtraction: the force that resists the needle, pressed on a finger instead of given to the hand.
 // Pushing in (force towards -z) is felt on the index finger, pulling out (towards +z) on the thumb. In CF the
 // device is worn on the hand that holds the handle, in CCF on the other one; in HF and VF it stays slack. In HF with a share
-// of the force for the hand (scaled_force.hpp) the rest is pressed on the acting hand.
+// of the force for the hand (ScaledForce) the rest is pressed on the acting hand.
 #pragma once
 
 #include <optional>
@@ -22,7 +22,7 @@ class CutaneousNode {
     // first_force: when the first force is due.
     void start_trial(SessionTime now, const SessionControl& control, SessionTime first_force);
     void end_trial(SessionTime now);
-    // The network takes so long now, there and back.
+    // The network delay has changed; there and back.
     void network_changed(Duration network_delay) { age_.allow(network_delay); }
     // Before anything else in a tick. Messages that have waited for a long pause say nothing about now. `resting`: no force in
     // this tick, whatever comes. In both cases the fingers are slack until the next feedback.
@@ -31,7 +31,8 @@ class CutaneousNode {
     // is late counts as if it had not come.
     void on_feedback(SessionTime now, SessionTime made, const ForceFeedback& feedback);
 
-    // The percept of the skin, once per period while active; none before next_percept(). Also releases the fingers when the feedback has stopped.
+    // The percept of the skin, once per period while active; none before next_percept(). Also releases the fingers
+    // when the feedback has stopped.
     std::optional<Percept> percept(SessionTime now);
     // kNever unless active.
     SessionTime next_percept() const { return next_percept_; }

@@ -53,7 +53,7 @@ class CutaneousProcess final : public NodeProcess {
     }
 
     SessionTime next_work() const override { return std::min(node_.next_percept(), actuator_.next_wakeup()); }
-    // Of a trial whose fingers are pressed by it: the others can do without.
+    // A fault ends only trials whose fingers are pressed; the others do not need the device.
     std::string_view device_fault() const override {
         return node_.presses() ? actuator_.fault() : std::string_view{};
     }

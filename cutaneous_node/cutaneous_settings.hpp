@@ -7,10 +7,11 @@
 #include "common/stale_policy.hpp"
 #include "common/time.hpp"
 #include "cutaneous_node/drive_settings.hpp"
+#include "cutaneous_node/touchdiver/touchdiver_settings.hpp"
 
 namespace thimble {
 
-enum class FingertipDevice : std::uint8_t { kSimulated, kBoard, kDrives };
+enum class FingertipDevice : std::uint8_t { kSimulated, kBoard, kDrives, kTouchDiver };
 
 struct CutaneousSettings {
     Duration dead_time = std::chrono::milliseconds{45};
@@ -22,6 +23,7 @@ struct CutaneousSettings {
     FingertipDevice device = FingertipDevice::kSimulated;
     HidChoice board{};       // kBoard
     DriveSettings drives{};  // kDrives
+    TouchDiverSettings touchdiver{};
     // Of the force in HF, what the handle gives: 1, but with [control] compensator = "scaled". The rest is for the skin.
     double hand_share = 1;
 };

@@ -89,14 +89,14 @@ FingertipForce DriveActuator::output(SessionTime now) {
 
 void DriveActuator::set_tension(std::size_t drive, double tension_N) {
     if (settings_.master.mode == DriveMode::kSyncPosition) {
-        // The pad's elastic force: what it relaxes to is less, and so presses a held position.
+        // The elastic force of the pad. The relaxed force is smaller; a held position presses with it.
         master_.set_target(drive, settings_.cable.counts(drawn_in_m(tension_N, 1), cables_[drive].origin));
     } else {
         master_.set_target(drive, settings_.cable.torque_per_mille(tension_N, rated_torque_Nm(drive)));
     }
 }
 
-// A finger is not pressed by motors of which one does not say where it is: until it does, all are at pretension.
+// While one motor of a finger gives no position, all of its cables stay at pretension.
 void DriveActuator::set_targets() {
     const bool known = !master_.unanswered();
     for (const FingerDevice& device : settings_.fingers) {
@@ -157,7 +157,7 @@ bool DriveActuator::look_for_rest(SessionTime now) {
     return loose == nullptr;
 }
 
-// Time counts that was measured in: one sample of a cable that is let out, on a machine that stalls, is no slack cable.
+// Only measured time counts: after a stall one sample of a loosened cable is no slack cable.
 void DriveActuator::watch_slack(SessionTime now) {
     for (std::size_t i = 0; i < cables_.size(); ++i) {
         Cable& cable = cables_[i];

@@ -17,9 +17,9 @@ class DriveActuator final : public FingertipActuator {
     DriveActuator(const DriveSettings& settings, double force_limit_N, CanBus& bus);
 
     void command(SessionTime now, Finger finger, double force_N) override;
-    // Measured, without the pretension's share: of the finger that gets more.
+    // Measured force of the finger with the larger one, N, without pretension.
     FingertipForce output(SessionTime now) override;
-    // Back to pretension. Without any tension only after a fault, and after stop().
+    // Back to pretension. No tension at all only after a fault, and after stop().
     void release(SessionTime now) override;
     void use_hand(SessionTime now, Hand hand) override;
 

@@ -38,14 +38,14 @@ double press(DriveActuator& actuator, const FingerDevice& finger, const CheckOpt
 }
 
 void press_each(DriveActuator& actuator, const DriveSettings& settings, const CheckOptions& options) {
-    // However the check ends, no drive is left with voltage: it would keep it until it misses the heartbeat.
+    // In every case no drive keeps its voltage: otherwise it would keep it until it misses the heartbeat.
     const std::unique_ptr<DriveActuator, void (*)(DriveActuator*)> slack_at_end(
         &actuator, [](DriveActuator* drives) { drives->stop(); });
     bring_up_drives(actuator);
-    fmt::print("{} drives in operation, every cable taut\n", actuator.master().drives());
+    fmt::print("{} drives run, every cable is taut\n", actuator.master().drives());
     for (const FingerDevice& finger : settings.fingers) {
         const double felt_N = press(actuator, finger, options);
-        fmt::print("{} hand, {}: asked {:.3f} N, measured {:.3f} N\n",
+        fmt::print("{} hand, {}: asked for {:.3f} N, measured {:.3f} N\n",
                    finger.hand == Hand::kActing ? "acting" : "other",
                    finger.finger == Finger::kIndex ? "index" : "thumb", options.force_N, felt_N);
     }
@@ -75,16 +75,18 @@ int check(const CheckOptions& options) {
 int main(int argc, char** argv) {
     return guarded_main("thimble-drive-check", [&] {
         CheckOptions options;
-        CLI::App app("Brings up the drives that a session file names and presses one finger after the other.",
-                     "thimble-drive-check");
+        CLI::App app(
+            "Starts the motor drives of a session file, presses one finger after the other, and compares the "
+            "force with the command.",
+            "thimble-drive-check");
         app.add_option("session", options.config, "session file with [cutaneous.drives]")->required();
-        app.add_option("--force", options.force_N, "in N, at most the device's limit")
+        app.add_option("--force-N", options.force_N, "force on each finger, N; default: the device's limit")
             ->check(CLI::Range(0.0, 20.0));
-        app.add_option("--seconds", options.press_s, "how long each finger is pressed")
+        app.add_option("--seconds", options.press_s, "how long each finger is pressed, s")
             ->check(CLI::Range(0.1, 60.0));
         app.set_version_flag("--version", std::string(kVersion));
         app.footer(
-            "Example:\n  thimble-drive-check device.toml --force 0.3\n\n"
+            "Example:\n  thimble-drive-check device.toml --force-N 0.3\n\n"
             "Exit codes: 0 ok, 1 a drive failed, 2 usage or configuration, 3 no bus.");
         if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
         return check(options);

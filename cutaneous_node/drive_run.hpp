@@ -32,8 +32,7 @@ inline std::unique_ptr<CanBus> open_bus(const DriveSettings& settings, Sockets& 
 // requested before.
 inline void bring_up_drives(DriveActuator& actuator) {
     while (!actuator.ready()) {
-        if (stop_requested())
-            throw Error(ExitCode::kRunFailed, "interrupted while the drives were brought up");
+        if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted while the drives were starting");
         actuator.tick(wall_now());
         if (!actuator.fault().empty()) throw Error(ExitCode::kRunFailed, std::string(actuator.fault()));
         wall_sleep(std::chrono::microseconds{200});

@@ -9,7 +9,7 @@
 
 #include "common/config.hpp"
 #include "common/messages.hpp"
-#include "cutaneous_node/can/master_settings.hpp"
+#include "cutaneous_node/can/cia402.hpp"
 #include "cutaneous_node/fingertip/cable_command.hpp"
 #include "cutaneous_node/fingertip/pad_model.hpp"
 #include "cutaneous_node/fingertip_actuator.hpp"

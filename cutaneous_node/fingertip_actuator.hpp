@@ -16,11 +16,11 @@ enum class Hand : std::uint8_t { kActing, kOther };
 struct FingertipForce {
     Finger finger = Finger::kNone;  // kNone: both cables slack
     double force_N = 0;             // >= 0
-    // When that was so: of a simulated device when its force was commanded, of a real one when it was measured.
+    // Time of the force: for a simulated device when it was commanded, for a real one when it was measured.
     SessionTime sample_time{};
 };
 
-// Every call is pure: what a wrapper forgot to pass on would vanish in it.
+// All calls are pure virtual: a wrapper that forgot one would hide it.
 class FingertipActuator : boost::noncopyable {
   public:
     virtual ~FingertipActuator() = default;
@@ -34,10 +34,10 @@ class FingertipActuator : boost::noncopyable {
     virtual void release(SessionTime now) = 0;
     // From now on commands are for this hand's fingers. The other hand's are released. A device that is worn on one hand stays there.
     virtual void use_hand(SessionTime now, Hand hand) = 0;
-    // A device with a life of its own: takes what has arrived from it, sends what is due. Never blocks.
+    // For a device with messages of its own: takes those that have arrived, sends what is due. Never blocks.
     virtual void tick(SessionTime now) = 0;
     virtual SessionTime next_wakeup() const = 0;
-    // It cannot go on, presses nobody any more, and says which part, why and what to do; empty: all is well.
+    // Empty while the device works; else which part failed, why, and what to do. A failed device presses no finger.
     virtual std::string_view fault() const = 0;
 };
 

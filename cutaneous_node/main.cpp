@@ -48,10 +48,9 @@ int main(int argc, char** argv) {
     NodeProgram program;
     program.name = "thimble-cutaneous";
     program.description =
-        "Presses the force that the needle feels on a finger: the index for a push, the thumb for a pull, of "
-        "the hand "
-        "on the handle (CF) or of the other one (CCF). The device is simulated, a fingertip board on USB, or "
-        "drives on a CAN bus ([cutaneous] device).";
+        "Presses the force of the needle on a finger: the index finger for a push, the thumb for a pull. In "
+        "CF it is a finger of the hand at the handle, in CCF of the other hand. The device is simulated, a "
+        "USB fingertip board, CAN motor drives, or WEART TouchDIVER ([cutaneous] device).";
     program.example = "thimble-cutaneous deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "cutaneous", "control"};
     program.read = [](const ConfigFile& file) { read_settings(file); };

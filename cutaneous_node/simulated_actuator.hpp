@@ -43,7 +43,7 @@ class SimulatedActuator final : public FingertipActuator {
         waiting(count_++) = {now + dead_time_, now, pressed ? std::min(force_N, limit_N_) : 0.0, finger};
     }
 
-    // While one finger relaxes and the other is pressed already: the one that feels more.
+    // The finger with the larger force: one may still relax while the other is pressed.
     FingertipForce output(SessionTime now) override {
         take_due_targets(now);
         const Forces force = forces_at(now);
@@ -60,7 +60,7 @@ class SimulatedActuator final : public FingertipActuator {
         start_ = {};
     }
 
-    // One hand's, without a life of its own, and nothing that fails.
+    // A simulated device has no messages, no second hand and no faults.
     void use_hand(SessionTime /*now*/, Hand /*hand*/) override {}
     void tick(SessionTime /*now*/) override {}
     SessionTime next_wakeup() const override { return kNever; }

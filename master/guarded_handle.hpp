@@ -45,17 +45,15 @@ inline GuardSettings guard_of_real_handle() {
 // Table [guard], over the values of `s`; throws Error (usage).
 inline GuardSettings read_guard_settings(const ConfigTable& table, GuardSettings s = {}) {
     table.read("force_limit_N", s.force_limit_N, 0, 1000,
-               "No more leaves for the handle, whoever asks; [master] force_limit_N may not be larger.");
+               "Force limit of the guard before the handle; at least [master] force_limit_N.");
     table.read("force_rate_limit_N_per_s", s.force_rate_limit_N_per_s, 0, 1e6,
-               "A force grows no faster; 0: as fast as it likes. Of a real handle 2250 where the file has no "
-               "value.");
-    table.read(
-        "energy_limit_J", s.energy_limit_J, 0, 1000,
-        "More given out to the hand within the window stops everything; 0: never. Of a real handle 0.5 where "
-        "the file has no value.");
-    table.read("energy_window_s", s.energy_window, 0.01, 60, "With energy_limit_J.");
+               "Limit of the force's rate of growth; 0: none. For a real handle the default is 2250.");
+    table.read("energy_limit_J", s.energy_limit_J, 0, 1000,
+               "Limit of the energy given to the hand within the window; more stops everything; 0: none. For "
+               "a real handle the default is 0.5.");
+    table.read("energy_window_s", s.energy_window, 0.01, 60, "Time window of energy_limit_J.");
     if (table.has("energy_window_s") && s.energy_limit_J == 0) {
-        table.fail("energy_window_s", "has no meaning without energy_limit_J, e.g. energy_limit_J = 0.2");
+        table.fail("energy_window_s", "has an effect with energy_limit_J only, e.g. energy_limit_J = 0.2");
     }
     return s;
 }
@@ -101,7 +99,7 @@ class GuardedHandle final : public HapticDevice {
             energy_.add(sample.position_hand_m, sample.force_hand_N);
             watch_energy(now);
         } else {
-            rules_.trip("the handle's own measurement is no number");
+            rules_.trip("the handle reports a value that is not a number");
         }
         return sample;
     }
@@ -122,7 +120,7 @@ class GuardedHandle final : public HapticDevice {
         return std::max(settings_.energy_window / static_cast<std::int64_t>(kSlots - 1), Duration{1});
     }
 
-    // The window moves on by whole parts: it is at most a 63rd longer than asked, so that it trips rather too early.
+    // The window moves by whole parts. So it is up to 1/63 longer than asked, which trips earlier.
     void watch_energy(SessionTime now) {
         if (now - slot_end_ > 2 * settings_.energy_window) {
             highest_J_.fill(kNothingYet_J);
@@ -136,11 +134,10 @@ class GuardedHandle final : public HapticDevice {
         most_given_out_J_ = std::max(most_given_out_J_, given_out_J);
         if (settings_.energy_limit_J <= 0 || given_out_J <= settings_.energy_limit_J) return;
         std::array<char, ForceGuard::kLongestText> text{};
-        const auto end =
-            fmt::format_to_n(text.data(), text.size() - 1,
-                             "the handle gave {:.3g} J to the hand within {:g} s; [guard] "
-                             "energy_limit_J is {:g}",
-                             given_out_J, to_seconds(settings_.energy_window), settings_.energy_limit_J);
+        const auto end = fmt::format_to_n(
+            text.data(), text.size() - 1,
+            "the handle gave {:.3g} J to the hand within {:g} s; the limit is [guard] energy_limit_J = {:g}",
+            given_out_J, to_seconds(settings_.energy_window), settings_.energy_limit_J);
         rules_.trip({text.data(), static_cast<std::size_t>(end.out - text.data())});
     }
 

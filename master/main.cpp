@@ -14,7 +14,7 @@
 #ifdef THIMBLE_DEVICES
 #include "master/devices/falcon/falcon_guardian.hpp"
 #endif
-#include "master/devices/open_handle.hpp"
+#include "master/devices/handle.hpp"
 #ifdef THIMBLE_ROS2_HANDLE
 #include "master/devices/ros2_handle.hpp"
 #endif
@@ -24,22 +24,9 @@ namespace {
 
 using namespace thimble;
 
-constexpr Duration kLookAgain = std::chrono::milliseconds{20};
-
-// Until its user has made it ready (homing), saying how far that is.
-void await_user(Handle& handle, HandleKind kind, Duration limit) {
-    const SessionTime end = wall_now() + limit;
-    std::string said;
-    for (std::string request = handle.awaits(); !request.empty(); request = handle.awaits()) {
-        if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted; " + request);
-        if (wall_now() > end) {
-            throw Error(ExitCode::kRunFailed, "{} (waited for {} s{})", request, to_seconds(limit),
-                        kind == HandleKind::kFalcon ? ", [handle.falcon] homing_limit_s" : "");
-        }
-        if (request != said) spdlog::warn(request);
-        said = request;
-        wall_sleep(kLookAgain);
-    }
+void await_handle(Handle& handle, HandleKind kind, Duration limit) {
+    await_user([&handle] { return handle.awaits(); }, limit,
+               kind == HandleKind::kFalcon ? "[handle.falcon] homing_limit_s" : "");
     if (!handle.fault().empty()) throw Error(ExitCode::kRunFailed, std::string(handle.fault()));
 }
 
@@ -59,17 +46,13 @@ HandleSettings read_handle(const ConfigFile& file, bool pointer) {
 
 #ifdef THIMBLE_ROS2_HANDLE
 constexpr const char* kName = "thimble-ros2-master";
-// Another machine's positions have no protection in DDS.
+// DDS does not protect positions from another machine.
 std::shared_ptr<Handle> make_handle(const ConfigFile& file, const HandleSettings& settings) {
     if (settings.kind != HandleKind::kRos2)
-        throw Error(ExitCode::kUsage, "{} is for [handle] device = \"ros2\": use thimble-master", kName);
-    const auto ros2 = read_ros2_handle_settings(file.table("handle").table("ros2"));
-    if (leaves_this_machine(ros2.interface) && !read_security_settings(file).allow_unprotected_network)
-        throw Error(
-            ExitCode::kUsage,
-            "[handle.ros2] interface: '{}' is not this machine alone, and DDS has no protection there: "
-            "stay on 127.0.0.1, or say [security] allow_unprotected_network = true (docs/security.md)",
-            ros2.interface);
+        throw Error(ExitCode::kUsage, "{} works with [handle] device = \"ros2\" only: use thimble-master",
+                    kName);
+    const auto ros2 = read_ros2_settings(file.table("handle").table("ros2"));
+    require_protection_of_dds(read_security_settings(file), "handle.ros2", ros2.interface);
     return std::make_shared<Ros2Handle>(ros2, settings.force_limit_N);
 }
 #else
@@ -96,7 +79,14 @@ class Master final : public NodeInstance {
     }
 
     NodeProcess& process() override { return process_; }
-    void bring_up() override { await_user(*handle_, kind_, user_limit_); }
+    void bring_up() override { await_handle(*handle_, kind_, user_limit_); }
+    // While the plug-in holds the master's thread, no other thread uses the handle.
+    std::function<void()> rest_without_plugin() override {
+        return [this] {
+            handle_->command_force(wall_now(), 0);
+            handle_->enable_force(wall_now(), false);
+        };
+    }
     void describe(nlohmann::ordered_json& report) const override {
         report["samples"] = process_.samples();
         report["samples_skipped"] = process_.samples_skipped();
@@ -129,14 +119,14 @@ int main(int argc, char** argv) {
     NodeProgram program;
     program.name = kName;
     program.description =
-        "Reads the handle 1000 times a second, sends the needle to thimble-slave-sim through thimble-netem, "
-        "and gives "
-        "the returned force to the handle. The handle is simulated, with a virtual operator's hand on it, or "
-        "drawn by a person's pointer, SpaceMouse or gamepad, or a real one (docs/handles.md).";
+        "Reads the handle 1000 times a second, sends the needle command to thimble-slave-sim through "
+        "thimble-netem, and puts the returned force on the handle. A virtual operator, a person's mouse, "
+        "SpaceMouse or gamepad, or a force-feedback device moves the handle (docs/handles.md).";
     program.example = std::string(kName) + " deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "master", "guard", "handle", "operator", "control", "codec"};
     program.add_options = [&pointer](CLI::App& app) {
-        app.add_flag("--pointer", pointer, "a person's pointer draws the handle, instead of [handle].device");
+        app.add_flag("--pointer", pointer,
+                     "let a person's mouse move the handle, instead of [handle] device");
     };
     program.read = [&pointer](const ConfigFile& file) {
         const HandleKind kind = read_handle(file, pointer).kind;

@@ -13,9 +13,8 @@ MasterSettings read_master_settings(const ConfigTable& table) {
     MasterSettings s;
     read_scaling(table, s);
     s.stale = read_stale_policy(table, s.stale, s.sample_period, std::chrono::seconds{1});
-    table.read(
-        "oldest_force_s", s.oldest_force, 0, 3600,
-        "An older force counts as none; 0: the longest delay there and back of the session's network.");
+    table.read("oldest_force_s", s.oldest_force, 0, 3600,
+               "Older forces count as zero; 0: the longest round-trip delay of the session's network.");
     s.velocity = read_velocity_settings(table, s.sample_period, s.position_scale);
     return s;
 }
@@ -26,11 +25,10 @@ MasterSettings read_master_settings(const ConfigFile& file, const GuardSettings&
     s.control = read_control_settings(file);
     s.codec = read_codec_settings(file.table("codec"));
     if (s.force_limit_N > s.guard.force_limit_N && file.table("master").has("force_limit_N")) {
-        file.table("master").fail(
-            "force_limit_N",
-            fmt::format("is {:g}, but the guard before the handle lets {:g} N through: raise "
-                        "[guard] force_limit_N as well, on purpose",
-                        s.force_limit_N, s.guard.force_limit_N));
+        file.table("master").fail("force_limit_N",
+                                  fmt::format("is {:g}, but the guard before the handle limits the force to "
+                                              "{:g} N: to allow more, raise [guard] force_limit_N as well",
+                                              s.force_limit_N, s.guard.force_limit_N));
     }
     return s;
 }
@@ -94,7 +92,7 @@ NeedleCommand MasterNode::sample(SessionTime now, const HandleSample& handle) {
 }
 
 std::optional<double> MasterNode::force_at_sample_N(SessionTime now) {
-    if (fill_.predicts() && control_.present()) control_.predict(fill_.at(now), newest_age_ + (now - heard_));
+    if (fill_.predicts() && control_.present()) control_.predict(fill_.at(now), heard_age_ + (now - heard_));
     if (control_.active()) return share(now) * control_.force_N();
     if (!fill_.predicts()) return std::nullopt;
     asked_force_N_ = handle_force_N(fill_.at(now));
@@ -107,16 +105,19 @@ std::optional<double> MasterNode::take(SessionTime now, const ForceWave& wave) {
 }
 
 std::optional<double> MasterNode::take(SessionTime now, const ForceFeedback& feedback) {
-    heard_ = now;
     round_trip_.add(now, feedback);
     newest_age_ = now - feedback.echo_time;
-    // A held needle answers nothing, and has no force.
-    age_.take(feedback.needle_held ? now : feedback.echo_time);
-    fill_.heard(now, feedback);
     if (control_.present()) control_.take(feedback, newest_age_);
+    // A held needle answers nothing, and has no force.
+    const SessionTime made = feedback.needle_held ? now : feedback.echo_time;
+    // As if it had not come: the force before it must fade, however many come late.
+    if (!control_.active() && age_.late(now, made) >= settings_.stale.after) return std::nullopt;
+    heard_ = now;
+    heard_age_ = newest_age_;
+    age_.take(made);
+    fill_.heard(now, feedback);
     if (control_.active()) return now == sampled_ ? force_at_sample_N(now) : std::nullopt;
-    if (stood_still_ || age_.late(now) >= settings_.stale.after)
-        return std::nullopt;  // as if it had not come
+    if (stood_still_) return std::nullopt;
     asked_force_N_ = handle_force_N(feedback);
     return share(now) * asked_force_N_;
 }

@@ -13,7 +13,6 @@
 #include "common/force_age.hpp"
 #include "common/messages.hpp"
 #include "common/reduction/force_codec.hpp"
-#include "common/round_trip.hpp"
 #include "common/shared_values.hpp"
 #include "common/stale_policy.hpp"
 #include "common/velocity_estimator.hpp"
@@ -80,7 +79,7 @@ class MasterNode {
     const Percept& see(const Percept& eyes);
 
     const RoundTrip& round_trip() const { return round_trip_; }  // of this trial
-    Duration newest_age() const { return newest_age_; }          // of a force at the handle
+    Duration newest_age() const { return newest_age_; }          // of a force, also of a late one
     double force_hand_N() const { return force_hand_N_; }        // of the newest sample
     std::uint64_t samples() const { return samples_; }
     std::uint64_t samples_skipped() const { return samples_skipped_; }
@@ -99,13 +98,13 @@ class MasterNode {
     SessionTime next_sample_ = kNever;
     SessionTime sampled_ = kNever;  // the newest sample; kNever: none in this trial
     bool stood_still_ = false;
-    SessionTime heard_{};       // the newest force
+    SessionTime heard_{};       // the newest force that was not late
     ForceAge age_;              // of it
     double asked_force_N_ = 0;  // by it
     ForceFill fill_;            // between two of them
     Percept percept_;           // newest of skin and eyes
     RoundTrip round_trip_;
-    Duration newest_age_{};
+    Duration newest_age_{}, heard_age_{};  // age on arrival: of the last force, of the one at heard_
     double force_hand_N_ = 0;
     std::uint64_t samples_ = 0, samples_skipped_ = 0;
 };

@@ -20,27 +20,29 @@ inline VelocitySettings read_velocity_settings(const ConfigTable& table, Duratio
     v.window = std::max(v.window, sample_period);
     v.quantum_m = position_scale * kEncoderStep_hand_m;
     table.read("velocity_estimator", v.method, kVelocityMethodNames,
-               "How the needle's velocity is estimated (docs/velocity.md).");
+               "Method that estimates the needle's velocity (docs/speed.md).");
     const auto only = [&](std::vector<std::string_view> users) {
         const std::string_view chosen = kVelocityMethodNames[static_cast<std::size_t>(v.method)];
         return table.only_with("velocity_estimator", chosen, std::move(users));
     };
     only({"low_pass"})
-        .read("velocity_time_constant_s", v.time_constant, 0, 1, "Of the filter; 0: raw differences.");
+        .read("velocity_time_constant_s", v.time_constant, 0, 1,
+              "Time constant of the filter; 0: raw differences.");
     only({"windowed", "foaw"})
         .read("velocity_window_s", v.window, to_seconds(sample_period), 1,
-              "Of one to 255 samples; the longest of foaw.");
+              "Length of the window, 1 to 255 samples; for foaw the longest one.");
     only({"foaw"}).read("velocity_foaw_fit", v.fit, {"best", "end"},
-                        "Least squares, or from the oldest to the newest sample.");
+                        "best: least squares; end: difference of newest and oldest sample.");
     only({"foaw", "kalman"})
         .read("velocity_quantum_needle_m", v.quantum_m, 1e-9, 0.1,
-              "Encoder step at the needle; without it position_scale x 1e-5.");
+              "Encoder step at the needle; default position_scale x 1e-5.");
     only({"kalman"})
         .read("velocity_process_noise_m2_per_s3", v.acceleration_noise_m2_per_s3, 1e-9, 1e6,
-              "Density of the needle's acceleration; more is quicker and noisier.");
+              "Density of the needle's acceleration; more is faster and noisier.");
     constexpr std::size_t kMost = SampleWindow::kCapacity - 1;
     if (v.window > static_cast<std::int64_t>(kMost) * sample_period) {
-        table.fail("velocity_window_s", "must be at most {} times sample_period_s: no more samples are kept",
+        table.fail("velocity_window_s",
+                   "must be at most {} times sample_period_s, because only this number of samples is kept",
                    kMost);
     }
     return v;

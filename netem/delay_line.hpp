@@ -1,5 +1,5 @@
-// Packets that know when they leave: a chain of those whose due times rise, which is all of them on a link in order,
-// and a heap of those that overtake, which costs several times as much.
+// Packets in the order of their due times. Rising times go to a chain, as all do on a link in order. Packets that
+// overtake go to a heap, which costs several times as much.
 #pragma once
 
 #include <algorithm>
@@ -31,13 +31,13 @@ class DelayLine {
         if (!heap_.empty()) return from_nanoseconds(std::min(heap_.front().due_ns, chain_due_ns()));
         return chain_.empty() ? kNever : from_nanoseconds(chain_.front()->due_ns);
     }
-    // Not empty. Of those due at the same time the one added first.
+    // Precondition: not empty. With equal due times the packet that was added first.
     Packet* take_first() {
         // With equal due times, heap packets are younger than chain packets.
         if (heap_.empty() || chain_due_ns() <= heap_.front().due_ns) return chain_.take_front();
         return take_from_heap();
     }
-    // Begins anew, once it is empty.
+    // Precondition: empty. Forgets the last due time.
     void reset() { last_due_ns_ = INT64_MIN; }
 
   private:

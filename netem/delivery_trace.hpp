@@ -35,7 +35,7 @@ class DeliveryTrace {
     // The first opportunity after `time` (not at it).
     std::uint64_t first_after(Duration time) const {
         if (time < Duration::zero()) return 0;
-        // An entry at 0 of the next lap falls together with the last of this one: never look beyond the own lap.
+        // An entry at 0 of the next lap coincides with the last one of this lap, so only this lap is searched.
         const std::int64_t lap = time / period();
         const Duration within = time - lap * period();
         const auto after =
@@ -46,11 +46,6 @@ class DeliveryTrace {
     }
 
     Duration period() const { return std::chrono::milliseconds{times_ms_.back()}; }
-    // Over a whole period.
-    double mean_bits_per_s() const {
-        return static_cast<double>(times_ms_.size() * kBytesPerOpportunity * 8) / to_seconds(period());
-    }
-
     const std::vector<std::uint32_t>& times_ms() const { return times_ms_; }
 
   private:

@@ -1,5 +1,5 @@
-// The fate of packet n, apart from queues and time tables: lost, delayed, doubled, corrupted, hurried. A pure
-// function of (key, direction, n) and the settings that hold when it is pushed.
+// The fate of packet n: lost, delayed, duplicated, corrupted or sent ahead; queues and timetables come later. A pure
+// function of (key, direction, n) and the settings at its push.
 #pragma once
 
 #include <memory>
@@ -34,8 +34,8 @@ class LinkFates {
     // where they are.
     void configure(const LinkSettings& settings, const std::shared_ptr<const DelayShape>& shape);
 
-    // Each packet in its turn; `time` since the start of the trial matters only for a trace by time.
-    // A packet that `may_mark` is marked where others are lost.
+    // Call it once per packet, in order. `time` since the start of the trial matters only for a trace by time. With
+    // `may_mark` a packet is marked instead of lost.
     PacketFate decide(std::uint64_t packet, Duration time, bool may_mark = false);
     void flip_bits(std::uint64_t packet, std::span<std::uint8_t> bytes) { damage_.flip(packet, bytes); }
 

@@ -103,7 +103,7 @@ void LinkModel::send_until(Duration time) {
 
 void LinkModel::wait_for_transmitter() {
     SessionTime event = start_ + transmitter_.next_event();
-    // In order nothing overtakes the next packet, and it has its delay still before it.
+    // On a link in order nothing overtakes the next packet, whose delay still lies ahead.
     if (in_order_) event += Duration{transmitter_.next_packet()->due_ns};
     next_due_ = std::min(std::min(next_due_, event), next_change_);
 }
@@ -153,7 +153,7 @@ void LinkModel::push_by_fate(const Arrival& arrival) {
 void LinkModel::admit(const Arrival& arrival, const PacketFate& fate, bool copy) {
     const auto& [packet, now, datagram, traffic_class] = arrival;
     if (transmitter_.active()) run_until(now);
-    // More than a smaller capacity allows: no packet that waits has to make room for one that overflows.
+    // After the capacity has shrunk: no waiting packet makes room for a new one that does not fit.
     if (in_flight_ > capacity_) return drop(packet, now, DropReason::kOverflowed);
     const bool waits = transmitter_.active();  // a removed rate ends with the last packet that it held up
     if (waits && !make_room(datagram.size())) return drop(packet, now, DropReason::kQueueFull);
@@ -173,7 +173,7 @@ void LinkModel::admit(const Arrival& arrival, const PacketFate& fate, bool copy)
     update_next_due();
 }
 
-// False: there is none for a packet of `bytes`.
+// False: there is no room for a packet of `bytes`.
 bool LinkModel::make_room(std::size_t bytes) {
     if (!transmitter_.could_hold(bytes)) return false;  // then no packet has to make room
     while (!transmitter_.has_room(bytes)) {
@@ -208,17 +208,7 @@ Packet* LinkModel::take_first(SessionTime now) {
     } else {
         update_next_due();
     }
-    const Duration waited{to_nanoseconds(now) - packet->received_ns};
-    delays_.sum += waited;
-    delays_.min = std::min(delays_.min, waited);
-    delays_.max = std::max(delays_.max, waited);
-    ++delays_.count;
-    ++counters_.delivered;
-    if (packet->number >= latest_) {
-        latest_ = packet->number;
-    } else if (!packet->copy) {
-        ++counters_.reordered;
-    }
+    count_delivered(packet->number, Duration{to_nanoseconds(now) - packet->received_ns}, packet->copy);
     return packet;
 }
 

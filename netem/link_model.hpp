@@ -4,6 +4,7 @@
 //   loss -> outage -> corruption -> duplication -> transmitter (rate, slots or recorded deliveries) -> delay -> order
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -35,7 +36,7 @@ struct LinkCounters {
     std::uint64_t lost = 0, outage = 0, oversized = 0, queue_full = 0, overflowed = 0;  // as in DropReason
     std::uint64_t delivered = 0;
     std::uint64_t duplicated = 0;  // second copies made
-    std::uint64_t corrupted = 0;   // packets of which bits were flipped
+    std::uint64_t corrupted = 0;   // packets with flipped bits
     std::uint64_t skipped = 0;     // packets that the reorder stage let go without delay
     std::uint64_t marked = 0;      // packets that were marked instead of lost (LinkSettings::ecn)
     std::uint64_t reordered = 0;   // delivered after a later one (RFC 4737); copies do not count
@@ -71,8 +72,9 @@ struct LinkDelays {
 
 class LinkModel {
   public:
-    // `key` names the study, experiment, subject and trial; `direction` tells the links of a session apart. The random fate of packet n depends on (key, direction, n) only. The timeline counts from `start`, as do outages, slots and
-    // traces by time; but slots do not begin before `opened`, when the first packet can come.
+    // `key` names the study, experiment, subject and trial; `direction` tells the links of a session apart. The
+    // random fate of packet n depends on (key, direction, n) only. The timeline counts from `start`, as do outages,
+    // slots and traces by time; but slots do not begin before `opened`, when the first packet can come.
     LinkModel(const LinkSettings& settings, const StreamKey& key, std::uint32_t direction,
               const Timeline& timeline = {}, SessionTime start = SessionTime{},
               SessionTime opened = SessionTime{});
@@ -81,7 +83,8 @@ class LinkModel {
     // of the last change()): start of a trial.
     void restart(const StreamKey& key, SessionTime start = SessionTime{});
 
-    // From now on other settings, until the timeline has others. Packets in flight keep their fate. Packets that wait for the transmitter go at the new rate. May allocate.
+    // Changes the settings until the timeline changes them. Packets in flight keep their fate. Packets that wait for
+    // the transmitter leave at the new rate. May allocate.
     void change(SessionTime now, const LinkSettings& settings);
     // Null: no observer (the default). Must outlive the model.
     void observe(LinkObserver* observer) { observer_ = observer; }
@@ -94,30 +97,36 @@ class LinkModel {
         Packet* packet = take_first(now);
         return packet == nullptr ? Bytes{} : packet->bytes();
     }
-    // The same with the facts for a log.
+    // As pop_due(), with the facts for a log.
     Departure pop_departure(SessionTime now);
-    // The same as a block with its head, or null.
+    // As pop_due(), as a block with its head; null if none is due.
     Packet* pop_packet(SessionTime now) { return now < next_due_ ? nullptr : take_first(now); }
-    // Any packet in flight, or null. No counter tells of it; only before restart().
+    // Removes any packet in flight and returns it, or null. Not counted; call it before restart() only.
     Packet* forget_any() {
         Packet* packet = line_.empty() ? transmitter_.take_any() : line_.take_first();
         if (packet != nullptr) store_.give_back(packet);
         return packet;
     }
-    // A packet that is pushed now meets a constant delay and nothing else: what it holds does not matter.
+    // True if a packet that is pushed now meets only a constant delay: its bytes do not matter.
     bool only_delays(SessionTime now) {
         if (now >= next_change_) run_until(now);
         return plain_ && in_flight_ < capacity_;
     }
-    // When to ask again: nothing leaves before. With a transmitter nothing may leave then either. kNever if nothing is
-    // in flight.
+    // True if a packet that is pushed now would leave now, before any other: it is counted as pushed and delivered, and needs no block.
+    bool passes(SessionTime now) {
+        if (!only_delays(now) || delay_ns_ != 0 || in_flight_ > 0) return false;
+        count_delivered(counters_.pushed++, Duration{}, false);
+        return true;
+    }
+    // The earliest time at which a packet can leave; with a transmitter perhaps none leaves then. kNever if nothing
+    // is in flight.
     SessionTime next_due() const { return next_due_; }
 
     std::size_t in_flight() const { return in_flight_; }
     const LinkCounters& counters() const { return counters_; }
     const LinkDelays& delays() const { return delays_; }
     const LinkSettings& settings() const { return plans_[current_].settings; }  // those that hold now
-    // Held for packets, used or not; grows with the most that was ever in flight.
+    // Bytes reserved for packets; grows with the largest number in flight.
     std::size_t memory_bytes() const { return store_.reserved_bytes(); }
 
   private:
@@ -151,6 +160,18 @@ class LinkModel {
     }
     void wait_for_transmitter();
     Packet* take_first(SessionTime now);  // null: nothing is due yet
+    void count_delivered(std::uint64_t packet, Duration waited, bool copy) {
+        delays_.sum += waited;
+        delays_.min = std::min(delays_.min, waited);
+        delays_.max = std::max(delays_.max, waited);
+        ++delays_.count;
+        ++counters_.delivered;
+        if (packet >= latest_) {
+            latest_ = packet;
+        } else if (!copy) {
+            ++counters_.reordered;
+        }
+    }
 
     std::vector<Plan> plans_;  // [0]: what holds at the start; then the timeline
     std::size_t current_ = 0;
@@ -158,7 +179,7 @@ class LinkModel {
     SessionTime next_change_ = kNever;
     SessionTime start_{}, opened_{};
     std::uint32_t direction_;
-    // Of the settings that hold now, for packets that meet nothing but a constant delay.
+    // Cached from the current settings, for packets with a constant delay only.
     bool plain_ = true;
     bool in_order_ = true;
     std::int64_t delay_ns_ = 0;

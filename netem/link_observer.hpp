@@ -8,7 +8,7 @@
 
 namespace thimble {
 
-// Why a packet (or the second copy of one) never leaves.
+// The reason why a packet, or its second copy, never leaves.
 enum class DropReason : std::uint8_t {
     kLost,        // the loss model, or a trace
     kOutage,      // pushed while nothing gets through
@@ -25,7 +25,7 @@ class LinkObserver {
     virtual void on_drop(std::uint64_t packet, SessionTime received, DropReason reason) = 0;
 };
 
-// A packet that leaves. Late by (time of the pop) - due.
+// A packet that leaves; its lateness is (time of the pop) - due.
 struct Departure {
     std::uint64_t packet = 0;  // its number since the last restart
     SessionTime received{};    // when it was pushed

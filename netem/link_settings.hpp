@@ -104,7 +104,8 @@ struct SlotSettings {
     bool operator==(const SlotSettings&) const = default;
 };
 
-// Nothing gets through from `start` (since the start of the trial) for `length`; again each `every` if that is not 0.
+// No packet gets through from `start` (since the start of the trial) for `length`; repeated each `every` if that is
+// not 0.
 struct Outage {
     Duration start{}, length{}, every{};
     bool operator==(const Outage&) const = default;
@@ -134,7 +135,7 @@ struct LinkSettings {
 // The longest delay but for one packet in 10,000: the mean, or the longest of a trace, plus jitter. Queues, slots and outages come on top.
 Duration nearly_longest_delay(const LinkSettings& link);
 
-// Instead of the settings before, from `at` after the start of a trial.
+// These settings replace the earlier ones at `at` after the start of a trial.
 struct LinkChange {
     Duration at{};
     LinkSettings settings;

@@ -1,4 +1,4 @@
-// thimble-netem: a network of one's own choice. Alone in front of any UDP program, or as a node of a session.
+// thimble-netem: an emulated network. Alone in front of any UDP program, or as a node of a session.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -24,9 +24,10 @@ constexpr const char* kFooter =
     "  thimble-netem set --control /tmp/netem down.delay_s=0.1\n"
     "  thimble-netem --selftest --profile lte --precise\n"
     "  thimble-netem shell --profile lte -- ssh robot\n"
-    "  thimble-netem pair --profile wifi -- ./robot.sh -- ./operator.sh\n\n"
-    "As a node of a Thimble session it is started without --listen: see thimble-netem node --help.\n"
-    "Manual: docs/network-relay.md, docs/network-shell.md, docs/network-numbers.md.\n"
+    "  thimble-netem pair --profile wifi -- ./robot.sh -- ./operator.sh\n"
+    "\n"
+    "Without --listen it is a program of a Thimble session: see thimble-netem node --help.\n"
+    "Manual: docs/network-relay.md, docs/network-shell.md.\n"
     "Exit codes: 0 ok, 1 failed, 2 usage or configuration, 3 network, 4 real time, 5 data.";
 
 // A session starts its node with options alone, none of them these. A person may name the session file first.
@@ -49,8 +50,9 @@ int own_words(int argc, char** argv) {
 }
 
 int run_stand_alone(int argc, char** argv) {
-    CLI::App app("A network between UDP programs: delay, jitter, loss and more, with its own error measured.",
-                 "thimble-netem");
+    CLI::App app(
+        "Emulates a network between UDP programs: delay, jitter, loss and more. It measures its own error.",
+        "thimble-netem");
     app.set_version_flag("--version", std::string(kVersion));
     app.require_subcommand(0, 1);
     app.footer(kFooter);

@@ -1,5 +1,6 @@
-// The relay: one directed link per flow, all delay of the system in its LinkModels. It forwards datagrams and
-// never looks inside them. Of a message that was handed over, a link that only delays keeps the address.
+// The relay: one directed link per flow; all delay of the system is in its LinkModels. It forwards datagrams and
+// never looks inside them. In virtual time, a link that only delays stores the address of a shared message instead of
+// its bytes.
 #pragma once
 
 #include <algorithm>
@@ -74,6 +75,7 @@ class NetemProcess final : public NodeProcess {
 
     void work(SessionTime now) override {
         for (Relay& relay : relays_) {
+            if (relay.from->known_empty() && now < relay.model.next_due()) continue;
             send_due(now, relay);  // first what is late already
             bool arrived = false;
             for (int taken = 0; taken < kMostRefusedAtOnce; ++taken) {
@@ -91,7 +93,7 @@ class NetemProcess final : public NodeProcess {
     }
 
   private:
-    // In place of a traffic class, with no bit of ECN: the packet holds the address of a message.
+    // Marks a packet that holds the address of a message. Stored as traffic class, with no bit of ECN.
     static constexpr std::uint8_t kHandedOver = 4;
 
     static bool take(SessionTime now, Relay& relay) {
@@ -105,6 +107,7 @@ class NetemProcess final : public NodeProcess {
     }
 
     static void take(SessionTime now, Relay& relay, SharedMessage& shared) {
+        if (relay.model.passes(now)) return pass_on(relay, shared);
         if (!relay.model.only_delays(now)) return relay.model.push(now, relay.from->pool()->bytes_of(shared));
         const SharedMessage* const address = &shared;
         ++shared.users;
@@ -114,7 +117,8 @@ class NetemProcess final : public NodeProcess {
     static void send_due(SessionTime now, Relay& relay) {
         while (Packet* packet = relay.model.pop_packet(now)) {
             if (packet->traffic_class == kHandedOver) {
-                pass_on(relay, *packet);
+                pass_on(relay, message_in(*packet));
+                release(relay, *packet);
             } else {
                 relay.to->send(packet->bytes());
             }
@@ -127,14 +131,12 @@ class NetemProcess final : public NodeProcess {
         return *shared;
     }
 
-    static void pass_on(Relay& relay, Packet& packet) {
-        SharedMessage& shared = message_in(packet);
+    static void pass_on(Relay& relay, SharedMessage& shared) {
         if (relay.to->pool() != nullptr) {
             relay.to->hand_over(shared);
         } else {
             relay.to->send(relay.from->pool()->bytes_of(shared));
         }
-        relay.from->pool()->release(shared);
     }
 
     static void release(Relay& relay, Packet& packet) {

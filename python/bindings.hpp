@@ -18,10 +18,11 @@ void add_link(pybind11::module_& module);
 void add_scene(pybind11::module_& module);
 void add_session(pybind11::module_& module);
 void add_study(pybind11::module_& module);
+void add_board(pybind11::module_& module);
 void add_logs(pybind11::module_& module);
 
-// A dictionary as TOML, so that the reader of session files reads it: dictionaries are tables, numbers of numpy are numbers. Throws
-// Error (usage) for a value that TOML has not.
+// A dictionary as TOML for the reader of session files: dictionaries become tables, numbers of numpy numbers. Throws
+// Error (usage) for a value that TOML does not have.
 std::string toml_text(const pybind11::dict& table);
 
 // A session as Python gives it: None (the defaults), the path of a file, or a dictionary of its tables. `changes`: dotted keys with
@@ -33,6 +34,9 @@ using Numbers = pybind11::array_t<double, pybind11::array::c_style | pybind11::a
 inline pybind11::array_t<double> to_array(const std::vector<double>& values) {
     return pybind11::array_t<double>(static_cast<pybind11::ssize_t>(values.size()), values.data());
 }
+
+// As --jobs. Throws Error (usage).
+void require_jobs(unsigned jobs);
 
 // Throws KeyboardInterrupt where Ctrl-C was pressed. With the interpreter's lock.
 inline void check_signals() {

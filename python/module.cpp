@@ -30,5 +30,6 @@ PYBIND11_MODULE(_thimble, module) {
     thimble::add_scene(module);
     thimble::add_session(module);
     thimble::add_study(module);
+    thimble::add_board(module);
     thimble::add_logs(module);
 }

@@ -84,7 +84,7 @@ class PythonSession {
         mine().start(choice);
     }
 
-    // In parts, so that Ctrl-C is heard and other threads go on.
+    // In parts, so that Ctrl-C works and other threads run.
     bool step(std::optional<double> until_s) {
         if (!until_s) return mine().step();
         if (std::isnan(*until_s)) throw Error(ExitCode::kUsage, "until_s is no number");

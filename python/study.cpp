@@ -3,7 +3,7 @@
 
 #include "common/error.hpp"
 #include "python/bindings.hpp"
-#include "session/settings/session_files.hpp"
+#include "session/settings/system_settings.hpp"
 
 namespace thimble {
 namespace {
@@ -44,12 +44,6 @@ std::string header() {
     std::string line;
     for (const auto& column : trial_columns()) line += (line.empty() ? "" : ",") + std::string(column.name);
     return line + '\n';
-}
-
-// As --jobs.
-void require_jobs(unsigned jobs) {
-    constexpr unsigned kMost = 1024;
-    if (jobs > kMost) throw Error(ExitCode::kUsage, "jobs {}: has to be 0 (one per core) to {}", jobs, kMost);
 }
 
 std::string table_of(const Design& design, unsigned jobs) {
@@ -101,6 +95,11 @@ std::string study_folder(const py::object& session, const std::map<std::string, 
 }
 
 }  // namespace
+
+void require_jobs(unsigned jobs) {
+    constexpr unsigned kMost = 1024;
+    if (jobs > kMost) throw Error(ExitCode::kUsage, "jobs {}: has to be 0 (one per core) to {}", jobs, kMost);
+}
 
 void add_study(py::module_& module) {
     module.def("study_table", &study, "The text of trials.csv. thimble.study() is for users.");

@@ -30,8 +30,8 @@ class Element {
     // sees only the steps that reach it: `from_m` says where the needle is.
     virtual void step(const NeedleStep& step, Transitions& transitions) = 0;
     virtual double force_N() const = 0;
-    // Nothing about the element changes while the needle stays at or above this position: it sleeps, and
-    // costs nothing. Minus infinity: it has to be stepped.
+    // The element rests, unchanged and without cost, while the needle stays at or above this position. Minus
+    // infinity: it never rests.
     virtual double rests_above_m() const { return -std::numeric_limits<double>::infinity(); }
 };
 

@@ -84,8 +84,8 @@ void ExactTissue::enter(TissuePhase phase, double after_s, Leg& leg) {
     leg.transitions->push(leg.offset_s, to_string(phase));
 }
 
-// When side * (f - limit) has become positive, given that it is at the end of the leg. The closed root can
-// lie a rounding error early, where the next phase would still see the guard unmet and come straight back.
+// The time after which side * (f - limit) is positive, if it is at the end of the leg. The closed root can be early
+// by a rounding error. The next phase would then return at once.
 double ExactTissue::beyond_s(double limit_N, double side, const Leg& leg) const {
     const double v = velocity_needle_m_per_s_;
     const double missing_N = limit_N - contact_force_N(needle_m_, v);

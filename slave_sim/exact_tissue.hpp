@@ -21,7 +21,7 @@ class ExactTissue final : public TissueSolver {
     // Steps with 64 transitions in a millionth of their time, or with more work than a step may cost, which
     // ended without looking for more.
     std::uint64_t unresolved_steps() const { return unresolved_steps_; }
-    // Propagators applied or tried, what a general-purpose solver's evaluations are compared with.
+    // Propagators computed, comparable with the evaluations of a general-purpose solver.
     std::uint64_t evaluations() const { return evaluations_; }
 
   protected:

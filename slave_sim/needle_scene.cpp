@@ -14,7 +14,7 @@ void ElementGroup::reset(double position_needle_m) {
     review(position_needle_m);
 }
 
-// Rare: only where an element falls asleep or wakes.
+// Rare: called only where an element begins or ceases to rest.
 void ElementGroup::review(double position_needle_m) {
     awake_.clear();
     wake_beyond_m_ = std::numeric_limits<double>::infinity();
@@ -29,13 +29,13 @@ void ElementGroup::review(double position_needle_m) {
 }
 
 void ElementGroup::step_awake(const NeedleStep& step, Transitions& transitions) {
-    bool somebody_rests = false;
+    bool any_rests = false;
     for (const Member* member : awake_) {
         transitions.of(member->index);
         member->element->step(step, transitions);
-        somebody_rests = somebody_rests || step.to_m <= member->element->rests_above_m();
+        any_rests = any_rests || step.to_m <= member->element->rests_above_m();
     }
-    if (somebody_rests) review(step.to_m);
+    if (any_rests) review(step.to_m);
 }
 
 NeedleScene::NeedleScene(const SceneDeclaration& declaration, const TissueMaker& make_tissue,

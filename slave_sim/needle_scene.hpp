@@ -1,4 +1,5 @@
-// Everything the needle can meet, and the forces it gets from it. Only declared elements are computed, and an element that rests away from the needle costs nothing.
+// The elements that the needle can meet, and the forces on it. An element that rests away from the needle costs
+// nothing.
 #pragma once
 
 #include <cstdint>
@@ -12,24 +13,24 @@
 
 namespace thimble {
 
-// Elements that follow the same needle; steps those that the needle concerns and lets the others sleep.
+// Elements that follow the same needle position. Only those near the needle are stepped; the others rest.
 class ElementGroup {
   public:
     void add(std::unique_ptr<Element> element, std::uint32_t index);
     void reset(double position_needle_m);
 
-    // The cost does not depend on how many elements sleep.
+    // The cost does not depend on the number of resting elements.
     void step(const NeedleStep& step, Transitions& transitions) {
         if (step.to_m > wake_beyond_m_) review(step.to_m);
         if (!awake_.empty()) step_awake(step, transitions);
     }
-    // Sum over the elements that are awake; one that sleeps does not push.
+    // Sum over the active elements; a resting one gives no force.
     double force_N() const {
         double sum_N = 0;
         for (const Member* member : awake_) sum_N += member->element->force_N();
         return sum_N;
     }
-    // Finds the elements that rest with the needle here. Call it after an element was changed from outside.
+    // Decides anew which elements rest with the needle here. Call it after an element was changed from outside.
     void review(double position_needle_m);
 
     std::size_t awake() const { return awake_.size(); }
@@ -48,7 +49,7 @@ class ElementGroup {
     double wake_beyond_m_ = std::numeric_limits<double>::infinity();
 };
 
-// Where the needle is at the end of a step.
+// Needle position at the end of a step, m along z.
 struct NeedleSample {
     double position_m = 0;          // what tissue follows: smooth, its slope is the estimated velocity
     double position_reading_m = 0;  // what fixtures follow: the encoder's

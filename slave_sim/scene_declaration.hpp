@@ -12,8 +12,8 @@
 
 namespace thimble {
 
-// Which force an element's counts to, and which of the needle's two positions it follows: tissue the smooth
-// one, whose slope is the estimated velocity; fixtures the encoder's reading.
+// Selects the sum that an element's force belongs to, and the needle position that it follows: tissue the smooth one,
+// whose slope is the estimated velocity; fixtures the encoder's reading.
 enum class ElementKind { kTissue, kFixture };
 
 struct ElementDeclaration {

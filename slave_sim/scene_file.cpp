@@ -18,16 +18,19 @@ namespace {
 std::string name_of(const ConfigTable& table, std::string_view type, std::size_t index, std::size_t count) {
     std::string name = count == 1 ? std::string(type) : fmt::format("{}{}", type, index + 1);
     table.read("name", name,
-               "As event lists say it; without it the table's own, numbered if there are several.");
+               "Name in event lists; default: the name of the table, numbered if there are several.");
     const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
         return c == '_' || c == '-' || c == '.' || (c < 128 && std::isalnum(c) != 0);
     });
-    if (!plain) table.fail("name", "must be letters, digits, '_', '-' and '.': it stands in event lists");
+    if (!plain)
+        table.fail("name", "may hold letters, digits, '_', '-' and '.' only: it appears in event lists");
     return name;
 }
 
 void claim(const ConfigTable& table, const std::string& name, std::set<std::string>& names) {
-    if (!names.insert(name).second) table.fail("name", "\"{}\" is taken: choose another", name);
+    if (!names.insert(name).second)
+        table.fail("name", "\"{}\" is the name of another element, or of a part of one: choose another",
+                   name);
 }
 
 // Also the names that a type gives to parts of it are taken: a tissue must not be called "vessel.near".
@@ -63,8 +66,7 @@ ConfigFile open(const std::filesystem::path& path) {
     }
     std::vector<std::string_view> names;
     for (const BuiltInScene& scene : built_in_scenes()) names.push_back(scene.name);
-    throw Error(ExitCode::kUsage,
-                "{}: there is no such scene file, and the scenes that come with the program are {}",
+    throw Error(ExitCode::kUsage, "{}: there is no such scene file; the built-in scenes are {}",
                 path.string(), fmt::join(names, ", "));
 }
 

@@ -13,6 +13,9 @@ namespace {
 // A stamp may be years ahead (a clock that steps, a flipped bit), and some solvers take every step until then.
 constexpr Duration kLongestRest = std::chrono::seconds{100};
 
+// A robot's tissue is real. The simulated one follows a needle so far out that it stays at rest.
+constexpr double kOutOfTissue_m = 5;
+
 // False for NaN too.
 bool within_reach(double position_m) { return std::abs(position_m) <= SlaveNode::kFarthestNeedleMetres; }
 
@@ -33,6 +36,7 @@ void SlaveNode::start_trial(const SessionControl& order) {
     waves_ = end_ && order.modality == Modality::kHF;
     if (waves_) end_->start();
     burst_ = {};
+    force_robot_N_.reset();
     in_trial_ = true;
     needle_known_ = false;
     held_ = false;
@@ -89,8 +93,18 @@ ForceFeedback SlaveNode::on_wave(SessionTime sample_time, std::uint32_t sequence
     return feedback;
 }
 
-// Tissue and whatever else is not the fixture acts with the force of the sample before; only the fixture is stiff enough to need
-// its own, solved for.
+ForceFeedback SlaveNode::on_robot(SessionTime sample_time, std::uint32_t sequence, double position_m,
+                                  double force_N) {
+    if (!needle_known_) wave_estimator_.reset(position_m);
+    force_robot_N_ = force_N;
+    NeedleCommand measured;
+    measured.position_needle_m = position_m;
+    measured.position_needle_estimate_m =
+        wave_estimator_.update(sample_time, position_m).position_estimate_m - kOutOfTissue_m;
+    return on_needle(sample_time, sequence, measured);
+}
+
+// Other elements act with the force of the previous sample. The fixture is stiff, so its force is solved for.
 NeedleCommand SlaveNode::wave_step(SessionTime sample_time) {
     const HandleControlScale& scale = settings_.control.scale;
     const ForbiddenRegion& fixture = *scene_.fixture();
@@ -104,7 +118,7 @@ NeedleCommand SlaveNode::wave_step(SessionTime sample_time) {
                                              scale.force_scale * scale.position_scale * stiffness_N_per_m,
                                              -scale.force_scale * other_N});
     NeedleCommand command;
-    // A plug-in may say anything.
+    // A plug-in may return any number.
     command.position_needle_m =
         std::clamp(scale.position_scale * hand_m, -kFarthestNeedleMetres, kFarthestNeedleMetres);
     command.position_needle_estimate_m =
@@ -162,7 +176,7 @@ ForceFeedback SlaveNode::answer() const {
     f.velocity_surface_m_per_s = surface.velocity_surface_m_per_s;
     f.position_proxy_m = scene_.fixture()->touch(f.position_needle_m).position_proxy_m;
     if (in_trial_ && needle_known_ && !held_) {
-        f.force_tissue_N = scene_.force_tissue_N();
+        f.force_tissue_N = force_robot_N_.value_or(scene_.force_tissue_N());
         f.force_fixture_N = scene_.force_fixture_N();
         f.force_total_N = f.force_tissue_N + f.force_fixture_N;
     }

@@ -41,9 +41,13 @@ class SlaveNode {
     // moved within longest_step; contact starts anew.
     ForceFeedback on_needle(SessionTime sample_time, std::uint32_t sequence, const NeedleCommand& command);
 
-    // The same with the slave's end of a controller, wave variables for instance: each of the master's samples that has not
-    // been, one after another, then the answer to the newest. The needle goes where that end leads it. wave_burst() goes back
-    // with the answer. Only while waves().
+    // The same with a needle that a robot moves: where it is, and the force that it feels in the place of the tissue's.
+    ForceFeedback on_robot(SessionTime sample_time, std::uint32_t sequence, double position_m,
+                           double force_N);
+
+    // The same with the slave's end of a controller, such as wave variables. It steps each of the master's samples
+    // since the last message, then answers the newest. The controller's end decides where the needle goes.
+    // wave_burst() is sent with the answer. Only while waves().
     ForceFeedback on_wave(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message);
     bool waves() const { return in_trial_ && waves_; }
     const WaveBurst& wave_burst() const { return burst_; }
@@ -84,10 +88,12 @@ class SlaveNode {
     SessionTime sample_time_{};
     std::uint64_t refused_ = 0;
     std::uint32_t sequence_ = 0;
-    std::optional<SlaveEnd> end_;       // where the session has one
-    WaveBurst burst_;                   // its newest
-    VelocityEstimator wave_estimator_;  // of the needle that waves lead: tissue follows its smooth position
-    bool waves_ = false;                // in this trial
+    std::optional<SlaveEnd> end_;  // where the session has one
+    WaveBurst burst_;              // its newest
+    VelocityEstimator
+        wave_estimator_;  // of the needle that waves or a robot lead: tissue follows its smooth position
+    std::optional<double> force_robot_N_;
+    bool waves_ = false;  // in this trial
     bool in_trial_ = false;
     bool needle_known_ = false;
     bool held_ = false;

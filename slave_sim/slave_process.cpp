@@ -1,5 +1,7 @@
 #include "slave_sim/slave_process.hpp"
 
+#include "slave_sim/remote_needle.hpp"
+
 namespace thimble {
 namespace {
 
@@ -9,8 +11,10 @@ constexpr Duration kBeepInterval = std::chrono::milliseconds{20};
 
 }  // namespace
 
-SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, Ports& ports)
+SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, Ports& ports,
+                           RemoteNeedle* robot)
     : NodeProcess(Role::kSlaveSim, instance, *ports.between(Port::kSlaveControl, Port::kSessionSlave)),
+      robot_(robot),
       needle_in_(ports.inlet(Port::kSlaveNeedle)),
       to_master_(Role::kSlaveSim, instance, {ports.outlet(Port::kNetemForceMaster)}),
       to_others_(Role::kSlaveSim, instance,
@@ -27,6 +31,7 @@ SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings
 
 void SlaveProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(control);
+    if (robot_ != nullptr) robot_->start_trial(now);
     fill_.reset();
     gate_master_.reset();
     gate_others_.reset();
@@ -38,8 +43,19 @@ void SlaveProcess::begin_trial(SessionTime now, const SessionControl& control) {
 
 void SlaveProcess::end_trial(SessionTime now) {
     stale_record_.end(now);
-    send(now, node_.hold());
+    hold(now);
+    if (robot_ != nullptr) robot_->end_trial(now);
     node_.end_trial();
+}
+
+SessionTime SlaveProcess::next_work() const {
+    const SessionTime robot = robot_ == nullptr ? kNever : robot_->next_look();
+    if (!running()) return robot;
+    return std::min(std::min(next_hold_, next_beep_), std::min(fill_.next(), robot));
+}
+
+std::string_view SlaveProcess::device_fault() const {
+    return robot_ == nullptr ? std::string_view() : robot_->fault();
 }
 
 void SlaveProcess::obey(SessionTime /*now*/, const SessionControl& control) {
@@ -47,6 +63,7 @@ void SlaveProcess::obey(SessionTime /*now*/, const SessionControl& control) {
 }
 
 void SlaveProcess::work(SessionTime now) {
+    if (robot_ != nullptr) robot_->hear(now);
     if (node_.waves()) {
         needle_flow_.drain<NeedleWave>(
             now, *needle_in_, running(), trial(),
@@ -54,7 +71,8 @@ void SlaveProcess::work(SessionTime now) {
     } else {
         needle_flow_.drain<NeedleCommand>(now, *needle_in_, running(), trial(),
                                           [&](const Header& header, const NeedleCommand& command) {
-                                              hear(now, header, {command, {}});
+                                              heard_.command = command;
+                                              hear(now, header, heard_);
                                           });
     }
     if (running() && now >= fill_.next()) {
@@ -62,12 +80,12 @@ void SlaveProcess::work(SessionTime now) {
         if (sample != nullptr && sample->moves) {
             answer(now, sample->stamp, sample->sequence, sample->message);
         } else if (sample != nullptr) {
-            send(now, node_.still(sample->stamp));
+            send(now, robot_ == nullptr || robot_->is_felt() ? node_.still(sample->stamp) : node_.hold());
         }
     }
     if (running() && now >= next_hold_) {
         stale_record_.watch(now, trial(), true);
-        send(now, node_.hold());
+        hold(now);
         fill_.pause();
         next_hold_ = now + stale_after_;
     }
@@ -83,25 +101,41 @@ void SlaveProcess::hear(SessionTime now, const Header& header, const NeedleWave&
 void SlaveProcess::answer(SessionTime now, SessionTime stamp, std::uint32_t sequence,
                           const NeedleWave& message) {
     // hold time 0: answered in the tick of its arrival, or of the sample that stands for it
-    send(now, node_.waves() ? node_.on_wave(stamp, sequence, message)
-                            : node_.on_needle(stamp, sequence, message.command));
+    send(now, moved(now, stamp, sequence, message));
     if (node_.take_beep()) {
         beeps_left_ = kBeeps;
         send_beep(now);
     }
 }
 
+ForceFeedback SlaveProcess::moved(SessionTime now, SessionTime stamp, std::uint32_t sequence,
+                                  const NeedleWave& message) {
+    if (node_.waves()) return node_.on_wave(stamp, sequence, message);
+    if (robot_ == nullptr) return node_.on_needle(stamp, sequence, message.command);
+    if (resting())
+        return node_.hold();  // else rest() would hold it anew in each tick, a little further each time
+    robot_->command(now, message.command.position_needle_m);
+    if (!robot_->is_felt()) return node_.hold();
+    return node_.on_robot(stamp, sequence, robot_->position_m(), robot_->force_N());
+}
+
+void SlaveProcess::hold(SessionTime now) {
+    if (robot_ != nullptr) robot_->hold(now);
+    send(now, node_.hold());
+}
+
 void SlaveProcess::send(SessionTime now, const ForceFeedback& feedback) {
+    OutboundFlow::Verdict good;
     if (gate_master_.due(now, feedback)) {
         if (node_.waves()) {
             to_master_.send(now, trial(), ForceWave{feedback, node_.wave_burst()});
         } else {
-            to_master_.send(now, trial(), feedback);
+            to_master_.send(now, trial(), feedback, good);
         }
     }
-    if (gate_others_.due(now, feedback)) to_others_.send(now, trial(), feedback);
-    to_record_.send(now, trial(), feedback);
-    to_eyes_.send(now, trial(), feedback);
+    if (gate_others_.due(now, feedback)) to_others_.send(now, trial(), feedback, good);
+    to_record_.send(now, trial(), feedback, good);
+    to_eyes_.send(now, trial(), feedback, good);
 }
 
 void SlaveProcess::send_beep(SessionTime now) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "common/control/built_in_controllers.hpp"
 #include "slave_sim/element_types.hpp"
 #include "slave_sim/needle_scene.hpp"
 
@@ -22,7 +23,8 @@ SceneDeclaration own_scene(const ConfigFile& file) {
 SceneDeclaration other_scene(const ConfigFile& file, const ConfigTable& own, const std::string& name) {
     for (const char* table : {"tissue", "fixture"}) {
         if (file.root().has(table)) {
-            file.root().fail(table, "stands beside slave_sim.scene: what exists is declared in one of them");
+            file.root().fail(
+                table, "cannot be used together with slave_sim.scene: declare the scene in one of them");
         }
     }
     const std::filesystem::path beside = file.folder() / name;
@@ -31,7 +33,7 @@ SceneDeclaration other_scene(const ConfigFile& file, const ConfigTable& own, con
     SceneDeclaration scene;
     own.load("scene", [&] { scene = load_scene(found ? beside : std::filesystem::path(name)); });
     const NeedleScene built(scene, solver_maker({}));
-    // The needle's depth is told from the surface, and a trial ends with contact at the fixture.
+    // The needle's depth is relative to the surface, and a trial ends with contact at the fixture.
     if (built.surface() == nullptr) own.fail("scene", "has no [tissue]: a trial needs a surface");
     if (built.fixture() == nullptr) own.fail("scene", "has no [fixture]: a trial ends by contact with it");
     return scene;
@@ -40,10 +42,36 @@ SceneDeclaration other_scene(const ConfigFile& file, const ConfigTable& own, con
 TissueMaker read_solver(const ConfigTable& own) {
     SolverChoice choice;
     std::size_t solver = 0;
-    own.read("solver", solver, kSolverNames, "How tissue is stepped (docs/scenes.md).");
-    own.read("solver_step_s", choice.longest_step_s, 1e-7, 1, "Longest step of a solver that steps.");
+    own.read("solver", solver, kSolverNames, "Solver of the tissue (docs/scenes.md).");
+    own.read("solver_step_s", choice.longest_step_s, 1e-7, 1, "Longest time step of the solver.");
     choice.name = kSolverNames[solver];
     return solver_maker(choice);
+}
+
+void read_robot(const ConfigTable& table, SlaveSettings& s) {
+    s.ros2 = read_ros2_settings(table);
+    RobotLimits& robot = s.robot;
+    table.read("shallowest_m", robot.shallowest_m, -1, 1, "Outermost position of a needle.");
+    table.read("deepest_m", robot.deepest_m, -1, 1, "Deepest position of a needle.");
+    table.read("speed_limit_m_per_s", robot.speed_limit_m_per_s, 0.001, 5,
+               "Highest speed of a commanded needle.");
+    table.read("force_limit_N", robot.force_limit_N, 0.1, 1000,
+               "Larger forces of the robot are cut to this value.");
+    if (robot.deepest_m <= robot.shallowest_m) table.fail("deepest_m", "must be greater than shallowest_m");
+}
+
+// Its own end of a controller solves for the simulated needle's place; a robot's place is measured. Between two packets of a codec the
+// needle is simulated as well.
+void require_one_end(const ConfigFile& file, const SlaveSettings& s) {
+    if (s.device == SlaveDevice::kSimulated) return;
+    if (s.codec.command != HapticCodec::kNone)
+        file.table("codec").fail("command",
+                                 "leaves out commands, but a robot needs every command: use \"none\", or "
+                                 "[slave_sim] device = \"simulated\"");
+    if (!has_two_ends(s.control.control)) return;
+    file.table("control").fail("compensator",
+                               "has an end at the slave, which works with a simulated needle only: use "
+                               "another one, or [slave_sim] device = \"simulated\"");
 }
 
 }  // namespace
@@ -56,28 +84,31 @@ SlaveSettings read_slave_settings(const ConfigFile& file) {
     SlaveSettings s;
     const ConfigTable own = file.table("slave_sim");
     std::string scene, stale = "hold";
+    own.read("device", s.device, {"simulated", "ros2"}, "Device that moves the needle (docs/ros2.md).");
     own.read("scene", scene,
-             "A scene file instead of [tissue] and [fixture], beside this file or one that comes with the "
-             "program.");
+             "Scene file, beside this file or a built-in one; replaces [tissue] and [fixture].");
     s.scene = scene.empty() ? own_scene(file) : other_scene(file, own, scene);
     s.make_tissue = read_solver(own);
     // An unstable solver is refused here, not in the first trial.
     own.load("solver", [&] { const NeedleScene tried(s.scene, s.make_tissue); });
     file.table("trial").read("contact_hold_s", s.contact_hold, 0.001, 600,
                              "Unbroken contact with the fixture until the beep.");
-    own.read("stale", stale, "A needle without commands stands still; anything else is refused.");
-    // It would move without a command.
-    if (stale != "hold") own.fail("stale", "can only be \"hold\": a needle without commands stands still");
+    own.read("stale", stale,
+             "Reaction to missing commands; only \"hold\" is possible: the needle stands still.");
+    // Other policies would move the needle without a command.
+    if (stale != "hold") own.fail("stale", "must be \"hold\": a needle without commands stands still");
     s.codec = read_codec_settings(file.table("codec"));
     // Fewer packets need more patience: two of them may be lost.
     if (s.codec.command != HapticCodec::kNone)
         s.stale_after = std::max(s.stale_after, s.codec.slave_patience());
     own.read("stale_after_s", s.stale_after, 0.001, 10,
-             "Without a command for so long: the needle is held, every force is zero.");
+             "Time without a command after which the needle is held and every force is zero.");
     own.read("longest_step_s", s.longest_step, 0.001, 10,
-             "After a longer gap between samples contact starts anew.");
+             "Longest gap between samples within one contact; after a longer one contact begins again.");
     read_scaling(file.table("master"), s.control.scale);
     s.control.control = read_control_settings(file);
+    read_robot(own.table("ros2"), s);
+    require_one_end(file, s);
     return s;
 }
 

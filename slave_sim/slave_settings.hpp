@@ -1,11 +1,13 @@
-// The simulated slave's settings in a session's configuration file.
+// The slave's settings in a session's configuration file.
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 
 #include "common/config.hpp"
 #include "common/control/controller_ends.hpp"
 #include "common/reduction/codec_settings.hpp"
+#include "common/ros2_settings.hpp"
 #include "common/time.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"
@@ -18,7 +20,19 @@ struct SlaveControl {
     HandleControlScale scale{};
 };
 
+enum class SlaveDevice : std::uint8_t { kSimulated, kRos2 };
+
+// Limits of a robot that moves the needle.
+struct RobotLimits {
+    double shallowest_m = -0.05, deepest_m = 0.15;
+    double speed_limit_m_per_s = 0.25;  // ISO 10218's beside a person
+    double force_limit_N = 20;
+};
+
 struct SlaveSettings {
+    SlaveDevice device = SlaveDevice::kSimulated;
+    RobotLimits robot{};
+    Ros2Settings ros2{};
     SceneDeclaration scene = paper_scene();
     TissueMaker make_tissue = solver_maker({});
     Duration contact_hold = std::chrono::seconds(5);
@@ -31,6 +45,11 @@ struct SlaveSettings {
     SlaveControl control{};             // in HF
     CodecSettings codec{};              // of table [codec]
 };
+
+// Time to start the robot; zero for the simulated needle.
+inline Duration user_limit(const SlaveSettings& settings) {
+    return settings.device == SlaveDevice::kRos2 ? kRos2DriverLimit : Duration::zero();
+}
 
 // Tables [tissue], [fixture], [trial] and [slave_sim]. Throws Error (usage).
 SlaveSettings read_slave_settings(const ConfigFile& file);

@@ -38,7 +38,7 @@ inline TissueMaker solver_maker(const SolverChoice& choice) {
     if (choice.name == SemiImplicitEuler::kName) return stepped<SemiImplicitEuler>(choice.longest_step_s);
     if (choice.name == RungeKutta4::kName) return stepped<RungeKutta4>(choice.longest_step_s);
     if (choice.name == ImplicitMidpoint::kName) return stepped<ImplicitMidpoint>(choice.longest_step_s);
-    throw Error(ExitCode::kUsage, "there is no solver \"{}\": take one of {}", choice.name,
+    throw Error(ExitCode::kUsage, "there is no solver \"{}\": use one of {}", choice.name,
                 fmt::join(kSolverNames, ", "));
 }
 

@@ -47,7 +47,7 @@ template <class Rule>
 double longest_stable_step_s(const TissueParameters& p, double unstable_s) {
     double low_s = 0;
     double high_s = unstable_s;
-    // By halving on a scale of powers of two first: the answer may be a billionth of the question.
+    // Bisects on a logarithmic scale: the stable step may be a billionth of the first guess.
     for (low_s = unstable_s / 2; low_s > 0 && !stable<Rule>(p, low_s); low_s /= 2) high_s = low_s;
     for (int i = 0; i < 20; ++i) {
         const double middle_s = low_s + (high_s - low_s) / 2;
@@ -104,7 +104,7 @@ SteppedTissue<Rule>::SteppedTissue(const TissueParameters& parameters, double lo
     if (stable<Rule>(parameters, longest_step_s)) return;
     throw Error(ExitCode::kUsage,
                 "solver {} is unstable at a step of {:g} s for a tissue of {:g} kg, {:g} N/m and {:g} N s/m: "
-                "take at most {:.3g} s, or the solver exact",
+                "use at most {:.3g} s, or the solver exact",
                 Rule::kName, longest_step_s, parameters.mass_kg, parameters.stiffness_N_per_m,
                 parameters.damping_Ns_per_m,
                 rounded_down(longest_stable_step_s<Rule>(parameters, longest_step_s)));

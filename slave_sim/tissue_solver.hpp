@@ -55,8 +55,8 @@ class TissueSolver : public Element {
                    : -std::numeric_limits<double>::infinity();
     }
 
-    // A step from where the needle is, for those who have no scene and no clock. duration >= 0; zero leaves
-    // everything as it is: without time nothing moves.
+    // A step from the current needle position, for callers without a scene or a clock. duration >= 0; zero changes
+    // nothing.
     void advance(double duration_s, double position_needle_m, Transitions& transitions);
 
     TissueState state() const;
@@ -66,7 +66,7 @@ class TissueSolver : public Element {
     // Moves the needle from needle_m_ to `needle_end_m` at velocity_needle_m_per_s_, and phase and surface
     // with it. needle_m_ is set to the end afterwards.
     virtual void move(double duration_s, double needle_end_m, Transitions& transitions) = 0;
-    // The surface at the beginning of a trial has been set; whatever else a solver keeps is its own.
+    // Called after the surface was reset: a solver resets its own state here.
     virtual void restart() {}
 
     // f of a needle in contact.

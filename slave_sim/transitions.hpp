@@ -25,7 +25,7 @@ class Transitions {
     explicit Transitions(std::size_t limit = 16) : limit_(limit) { list_.reserve(limit < 64 ? limit : 64); }
 
     void clear() { list_.clear(); }
-    // Whose transitions follow.
+    // Sets the element to which the next transitions belong.
     void of(std::uint32_t element) { element_ = element; }
     void push(double offset_s, std::string_view phase) {
         if (list_.size() < limit_) {

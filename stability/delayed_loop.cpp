@@ -80,7 +80,8 @@ void require_countable(const DelayedLoop& loop, double delay_s) {
     require_delay(delay_s);
     double angle = 0;
     for (const PreciseFamily& f : families_of(loop)) angle += delay_s * to_double(f.frequency);
-    require(angle < kMostTurned_rad, "delay times frequency must stay below 1e8 rad", angle);
+    require(angle < kMostTurned_rad,
+            "the product of delay and frequency must stay below 1e8 rad: give a shorter delay", angle);
 }
 
 std::vector<RootCrossing> crossings(const DelayedLoop& loop, double longest_s, std::size_t most) {

@@ -22,7 +22,7 @@ class HandMotion {
           position_m_(position_m),
           velocity_m_per_s_(velocity_m_per_s) {}
 
-    // f_c >= 0, from now on.
+    // Sets f_c >= 0, N.
     void rub(double friction_N) { friction_N_ = friction_N; }
     Propagator propagator(double duration_s) const { return hand_.propagator(duration_s); }
     // Under the force f for the propagator's time.

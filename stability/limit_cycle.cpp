@@ -170,7 +170,8 @@ NeededDamping needed_damping(const DelayedLoop& loop, double delay_s) {
     constexpr double kMostTurnedForFriction_rad = 1e6;
     if (last * delay_s > kMostTurnedForFriction_rad) {
         throw Error(ExitCode::kUsage,
-                    "stability: for friction, delay times frequency must stay below 1e6 rad");
+                    "stability: with friction, the product of delay and frequency must stay below 1e6 rad: "
+                    "give a shorter delay");
     }
     const double steps = std::ceil(kPerTurn * (1 + last * delay_s));
     NeededDamping most;

@@ -33,7 +33,7 @@ struct LimitCycle {
     double duty = 0;  // relay orbit: part of the period for which the force pushes
 };
 
-// Nothing if no oscillation can keep itself up. The larger, stable one of two.
+// None if no oscillation sustains itself. The larger, stable one of two.
 std::optional<LimitCycle> describing_function_cycle(const PressedLoop& loop);
 // Starts from `guess`; nothing if there is no orbit with two switches close to it.
 std::optional<LimitCycle> relay_orbit(const PressedLoop& loop, const LimitCycle& guess);

@@ -68,7 +68,7 @@ double envelope_per_sample(std::span<const double> trace) {
     return first > 0 && second > 0 ? portable::pow(second / first, 1 / static_cast<double>(half)) : 1;
 }
 
-// Nothing where there is no oscillation to be measured.
+// None where no oscillation can be measured.
 std::optional<double> prony_per_sample(std::span<const double> trace) {
     const ZeroCrossings z = zero_crossings(trace);
     if (z.count < 3) return std::nullopt;

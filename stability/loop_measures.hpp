@@ -17,8 +17,8 @@ namespace thimble {
 // what the trace did from its first half to its second (several modes at once, or a creep without turns), what it did.
 double growth_per_sample(std::span<const double> trace);
 
-// Of the linear loop let go from 5 mm: ln(rho) / h after the first half of six seconds, of sixty delays, or of 400 delays beyond 0.5 s. `encoder_step_m` of 0:
-// none.
+// Of the linear loop let go from 5 mm: ln(rho) / h after the first half of six seconds, of sixty delays, or of 400
+// delays beyond 0.5 s. `encoder_step_m` of 0: none.
 double measured_growth_per_s(const SampledLoop& loop, double encoder_step_m);
 
 struct MeasuredStiffness {
@@ -65,7 +65,7 @@ class HoldWatch {
     bool touches_ = false;
 };
 
-// Of a running loop that has been let go as `plan` says.
+// Outcome of a running loop that starts as `plan` says.
 template <class Loop>
 HoldOutcome watched_hold(Loop& run, const HoldPlan& plan, double step_s) {
     HoldWatch watch(plan, step_s);

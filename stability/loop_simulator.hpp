@@ -61,7 +61,7 @@ class LoopSimulator {
         move(late_, under_way_[next_]);
     }
 
-    // From now on.
+    // Changes the press force, N, from now on.
     void press(double press_N) { conditions_.press_N = press_N; }
     void rub(double friction_N) { hand_.rub(friction_N); }
 

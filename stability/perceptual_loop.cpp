@@ -24,17 +24,17 @@ void require_positive(double value, const char* what) {
 }
 
 void require(const PausedCorrection& correction) {
-    require_positive(correction.lag_s, "the lag");
-    require_positive(correction.period_s, "the period of a correction");
-    require_positive(correction.move_s, "the duration of a move");
+    require_positive(correction.lag_s, "stability: the lag (--perception-lag-s)");
+    require_positive(correction.period_s, "stability: the period of a correction");
+    require_positive(correction.move_s, "stability: the duration of a move");
     if (correction.move_s > correction.period_s)
-        throw Error(ExitCode::kUsage, "a move must be over before the next one begins");
+        throw Error(ExitCode::kUsage, "stability: a move must end before the next one begins");
 }
 
-// The hand on its spring, drawn by a reference that the person moves. Where it was is remembered.
-class LedHand {
+// The hand on its spring, whose rest position the person moves. Past positions are kept.
+class GuidedHand {
   public:
-    LedHand(const HeldMass& hand, double lag_s)
+    GuidedHand(const HeldMass& hand, double lag_s)
         : stiffness_N_per_m_(hand.stiffness_N_per_m),
           lag_steps_(static_cast<std::size_t>(std::ceil(lag_s / kLongestLedStep_s))),
           step_s_(lag_s / static_cast<double>(lag_steps_)),
@@ -91,7 +91,7 @@ double minimum_jerk(double u) {
 
 // Logarithm of the greatest position in the last quarter over that in the second quarter.
 double paused_growth(const HeldMass& hand, const PausedCorrection& correction, double part) {
-    LedHand led(hand, correction.lag_s);
+    GuidedHand led(hand, correction.lag_s);
     const double lasts_s = kWatchedPeriods * std::max(correction.period_s, correction.lag_s);
     const auto steps = static_cast<std::size_t>(lasts_s / led.step_s());
     double early_m = 0, late_m = 0, move_m = 0, began_s = -1;
@@ -116,7 +116,7 @@ double paused_growth(const HeldMass& hand, const PausedCorrection& correction, d
 
 double paused_limit(const PausedCorrection& correction) {
     require(correction);
-    // A sum that is a period but for its last digits is a period.
+    // A sum that equals a period up to rounding counts as a period.
     const double periods = (correction.lag_s + correction.move_s) / correction.period_s;
     const double old = std::max(0.0, std::ceil(periods - 1e-9) - 1);
     return 2 * portable::sin(std::numbers::pi / (4 * old + 2));
@@ -124,8 +124,8 @@ double paused_limit(const PausedCorrection& correction) {
 
 double measured_perceptual_growth_per_s(const HeldMass& hand, double lag_s, double gain_per_s) {
     perceptual_limit(hand, lag_s);  // throws where it is no loop
-    require_positive(lag_s, "the lag");
-    LedHand led(hand, lag_s);
+    require_positive(lag_s, "stability: the lag (--perception-lag-s)");
+    GuidedHand led(hand, lag_s);
     const auto steps = static_cast<std::size_t>(kWatchedLags * lag_s / led.step_s());
     std::vector<double> trace;
     trace.reserve(steps);

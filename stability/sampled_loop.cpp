@@ -13,7 +13,7 @@ namespace {
 using PrecisePulse = PulsePolynomial<Precise>;
 using Zed = ComplexOf<Precise>;
 
-// Doubles find the place, Precise looks on both sides of it; where doubles were wrong Precise finds it itself.
+// Doubles find the crossing, Precise confirms it on both sides, or searches itself where doubles were wrong.
 constexpr double kFirstWidth = 1e-11, kMargin = 1e-9;
 
 template <class Real>

@@ -21,7 +21,7 @@ HeldHandle held_handle(const SystemSettings& s) {
             k_a};
 }
 
-// Pressed so slowly that damping adds nothing, at two depths, so that a force at the surface would not count either.
+// Presses slowly, so that damping adds nothing, at two depths, so that an offset at the surface does not count.
 double fixture_stiffness_N_per_m(const SlaveSettings& settings) {
     constexpr double kDepth_m = 1e-4, kSlowly_s = 1e6;
     NeedleScene scene(settings.scene, settings.make_tissue);

@@ -1,8 +1,8 @@
 #include "study/planned_table.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
+
+#include <fmt/format.h>
 
 #include "common/error.hpp"
 #include "common/text_file.hpp"
@@ -10,42 +10,64 @@
 namespace thimble {
 namespace {
 
-std::string text_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 std::size_t lines_in(std::string_view text) {
     return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
-// How many rows are there already; the table is cut back to them.
+// Number of rows that are kept; the table is cut back to them.
 std::size_t rows_there(const std::filesystem::path& folder, const std::string& name, const std::string& what,
                        const std::string& plan, IfExists if_exists) {
-    make_folder(folder);
-    const auto table = folder / (name + ".csv"), planned = folder / (name + ".txt");
-    std::size_t rows = 0;
-    if (if_exists == IfExists::kRefuse && std::filesystem::exists(table))
-        throw Error(
-            ExitCode::kUsage,
-            "{}: holds a {} already: go on with --resume, replace it with --overwrite, or name another "
-            "--out",
-            folder.string(), what);
-    if (if_exists != IfExists::kContinue) {
-        CsvFile(table, if_exists);  // empty, or an Error
-    } else if (std::filesystem::exists(table)) {
-        if (text_of(planned) != plan)
-            throw Error(ExitCode::kUsage, "{}: holds another {}: name another folder, or say --overwrite",
-                        folder.string(), what);
-        const std::size_t lines = lines_in(text_of(table));
-        rows = lines > 0 ? lines - 1 : 0;
-        keep_lines(table, rows);
-    }
-    write_text_file(planned, plan);
+    const auto table = folder / (name + ".csv");
+    open_plan(table, folder / (name + ".txt"), what, plan, if_exists);
+    const std::size_t lines = lines_in(read_text_file(table));
+    const std::size_t rows = lines > 0 ? lines - 1 : 0;
+    keep_lines(table, rows);
     return rows;
 }
 
+// A scene's name may also start from the working directory.
+std::string used_files_text(const std::filesystem::path& session) {
+    if (session.empty()) return "";
+    const ConfigFile file = ConfigFile::load(session);
+    read_system_settings(file);  // which reads, and so names, every file
+    std::string text;
+    for (const std::string& name : file.used_files()) {
+        const auto beside = file.folder() / name;
+        text += fmt::format(
+            "{} sha256 {}\n", name,
+            sha256_of_file(std::filesystem::exists(beside) ? beside : std::filesystem::path(name)));
+    }
+    return text;
+}
+
 }  // namespace
+
+void open_plan(const std::filesystem::path& table, const std::filesystem::path& plan_file,
+               const std::string& what, const std::string& plan, IfExists if_exists) {
+    const std::string folder = table.parent_path().string();
+    make_folder(folder);
+    const bool begun = std::filesystem::exists(table);
+    if (begun && if_exists == IfExists::kRefuse)
+        throw Error(ExitCode::kUsage,
+                    "{}: holds a {} already: continue it with --resume, replace it with --overwrite, or name "
+                    "another folder with --out",
+                    folder, what);
+    if (begun && if_exists == IfExists::kContinue) {
+        if (read_text_file(plan_file) == plan) return;
+        throw Error(ExitCode::kUsage,
+                    "{}: holds a {} with other settings: repeat these settings, replace it with "
+                    "--overwrite, or name another folder with --out",
+                    folder, what);
+    }
+    if (begun) CsvFile(table, IfExists::kContinue);  // an Error if another program writes it
+    remove_file(table);  // a program that is killed leaves no table beside the plan of another
+    write_text_file(plan_file, plan);
+    CsvFile(table, if_exists);  // empty, or an Error
+}
+
+std::string session_text(const SystemSettings& settings) {
+    return used_files_text(settings.file) + "session file:\n" + read_text_file(settings.file);
+}
 
 PlannedTable::PlannedTable(const std::filesystem::path& folder, const std::string& name,
                            const std::string& what, const std::string& plan, std::string_view header,

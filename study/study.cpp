@@ -8,15 +8,14 @@
 #include <fmt/format.h>
 
 #include "analysis/findings.hpp"
-#include "analysis/report/order_tables.hpp"
 #include "analysis/report/report.hpp"
-#include "analysis/report/study_figures.hpp"
+#include "analysis/report/report_tables.hpp"
 #include "common/process/progress.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "session/records/trajectory_file.hpp"
-#include "session/settings/session_files.hpp"
+#include "session/settings/system_settings.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "study/study_folder.hpp"
 #include "study/with_compensator.hpp"
@@ -113,17 +112,15 @@ class Study {
             show(record.conditions, ++done, planned.size(), start);
         });
         result_.wall_s += to_seconds(wall_now() - start);
-        progress_.say(fmt::format("{} of {} trials in {}", done, planned.size(),
-                                  (options_.out / (name + ".csv")).string()));
+        progress_.close();
     }
 
     void show(const TrialConditions& c, std::size_t done, std::size_t all, SessionTime start) {
         const double wall_s = result_.wall_s + to_seconds(wall_now() - start);
-        progress_.show(
-            fmt::format("{}/{} trials, experiment {}, {}, subject {}, {:.0f} x real time on {} threads", done,
-                        all, c.experiment, delay_text(c.delay_s), c.subject,
-                        result_.simulated_s / std::max(wall_s, 1e-9), jobs_),
-            done == all || done % (all / 4 + 1) == 0);
+        progress_.count(done, all, "trials",
+                        fmt::format("experiment {}, {}, subject {}, {:.0f} x real time on {} threads",
+                                    c.experiment, delay_text(c.delay_s), c.subject,
+                                    result_.simulated_s / std::max(wall_s, 1e-9), jobs_));
     }
 
     void add_curve(const TrialCurve& curve) {
@@ -147,7 +144,8 @@ class Study {
         ReportSection section;
         section.title = "The paper's claims";
         section.text =
-            claims_sentence(result_.claims) + ". How often each comes out over many seeds: --seeds.";
+            claims_sentence(result_.claims) +
+            ". To count how often each claim is reproduced over many seeds, use thimble study --seeds.";
         section.tables = {claims_table(result_.claims)};
         return section;
     }
@@ -175,8 +173,8 @@ class Study {
         ReportSection section;
         section.title = "Delay compensators";
         section.text =
-            "The trials with HF again, with a controller in the handle's loop: the same subjects, fixtures "
-            "and delays.";
+            "The HF trials again, with a delay compensator in the loop of the handle. Subjects, fixtures and "
+            "delays are the same.";
         section.findings = answer(findings);
         section.tables = finding_tables(findings);
         return section;

@@ -24,8 +24,8 @@ void check_plan(const std::filesystem::path& table, const std::vector<TrialRow>&
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (i < planned.size() && same(rows[i].conditions, planned[i])) continue;
         throw Error(ExitCode::kUsage,
-                    fmt::format("{}:{}: this trial is not the one this study would have run there: --resume "
-                                "needs the same experiment, seed, subjects, order and session file",
+                    fmt::format("{}:{}: this trial belongs to a study with other settings: --resume needs "
+                                "the same experiment, seed, subjects, order and session file",
                                 table.string(), i + 2));
     }
 }
@@ -44,8 +44,8 @@ std::size_t take_curves(const std::filesystem::path& curves, const std::vector<T
         if (both == rows.size()) return;  // its row was never written
         if (!same_trial(rows[both].conditions, curve.conditions))
             throw Error(ExitCode::kData,
-                        fmt::format("{}:{}: this curve is not of the trial that the table has there; nothing "
-                                    "was changed: name another folder with --out",
+                        fmt::format("{}:{}: this curve does not belong to the trial in the same line of the "
+                                    "table; nothing was changed: name another folder with --out",
                                     curves.string(), both + 2));
         take_curve(curve);
         ++both;
@@ -65,9 +65,9 @@ std::vector<TrialRow> recover(const std::filesystem::path& table, const std::fil
     const std::size_t both = take_curves(curves, rows, take_curve, grid);
     if (both == 0 && !rows.empty())
         throw Error(ExitCode::kData,
-                    fmt::format("{}: has {} trials, and {} has no curve of any. A study writes both; thimble "
-                                "run and thimble play write no curves. Nothing was changed: name another "
-                                "folder with --out, or put the curves back",
+                    fmt::format("{}: has {} trials, but {} has no curves for them. thimble study writes "
+                                "both; thimble run and thimble play write no curves. Nothing was changed: "
+                                "name another folder with --out, or put the curves back",
                                 table.string(), rows.size(), curves.string()));
     keep_lines(curves, both);
     keep_lines(table, both);

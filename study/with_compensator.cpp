@@ -14,7 +14,8 @@ namespace thimble {
 ControlSettings control_for(const SystemSettings& settings, Compensator compensator) {
     if (settings.master.control.compensator == compensator) return settings.master.control;
     if (compensator == Compensator::kPlugin)
-        throw Error(ExitCode::kUsage, "compensator plugin: the session names none ([control] plugin)");
+        throw Error(ExitCode::kUsage,
+                    "compensator plugin: the session names no plug-in: set [control] plugin");
     ControlSettings control;
     control.compensator = compensator;
     return control;
@@ -50,7 +51,7 @@ Compensator parse_compensator(std::string_view name) {
     if (found != kCompensatorNames.end()) return static_cast<Compensator>(found - kCompensatorNames.begin());
     const std::vector<std::string_view> known(kCompensatorNames.begin() + 1, kCompensatorNames.end());
     throw Error(ExitCode::kUsage,
-                fmt::format("'{}' is no compensator: choose from {}", name, fmt::join(known, ", ")));
+                fmt::format("'{}' is not a delay compensator: choose from {}", name, fmt::join(known, ", ")));
 }
 
 }  // namespace thimble

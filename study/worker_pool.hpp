@@ -49,11 +49,13 @@ inline std::size_t worker_count(unsigned jobs) {
     return thread_count(jobs);
 }
 
-// work(i) gives the result of item i < count; several threads call it. take(result) gets them in order, in the thread that called this.
-// Under mpirun each rank calls it, with the same `plan` (ranks.hpp) or in vain. False if `stop` (null: never) came before the last item. Throws what a worker threw.
+// work(i) gives the result of item i < count; several threads call it. take(result) gets them in order, in the thread
+// that called this. Under mpirun each rank calls it. plan() must give the same text there (ranks.hpp). False if `stop`
+// (null: never) came before the last item. Throws what a worker threw.
 template <class Result, class Work, class Take>
 bool run_in_order(std::size_t count, unsigned jobs, const std::atomic<bool>* stop, const Work& work,
-                  const Take& take, ResultsGo results = ResultsGo::kToAll, const std::string& plan = {}) {
+                  const Take& take, ResultsGo results = ResultsGo::kToAll,
+                  const std::function<std::string()>& plan = {}) {
     if (Ranks* const ranks = joined_ranks()) {
         const auto work_bytes = [&](std::size_t i) {
             std::string bytes;
@@ -65,7 +67,8 @@ bool run_in_order(std::size_t count, unsigned jobs, const std::atomic<bool>* sto
             read_bytes(bytes, result);
             take(std::move(result));
         };
-        return ranks->run({count, std::max(1U, jobs), work_bytes, take_bytes, stop, results, plan});
+        return ranks->run({count, std::max(1U, jobs), work_bytes, take_bytes, stop, results,
+                           plan ? plan() : std::string()});
     }
     OrderedWorkers<Result> workers(count, thread_count(jobs), work, stop);
     for (std::size_t i = 0; i < count; ++i) {

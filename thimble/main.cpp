@@ -22,17 +22,16 @@ struct Purpose {
 // In the order of --help.
 std::vector<Purpose> add_commands(CLI::App& app, const std::string& typed) {
     std::vector<Purpose> purposes;
-    purposes.push_back({"Try it", {add_play(app), add_run(app, typed), add_check(app)}});
+    purposes.push_back(
+        {"Try it", {add_play(app), add_run(app, typed), add_stop(app), add_check(app), add_config(app)}});
     purposes.push_back({"Study",
                         {add_study(app), add_compensators(app), add_board(app), add_analyse(app),
                          add_report(app, typed), add_replay(app), add_power(app, typed)}});
     purposes.push_back({"People", {add_dataset(app), add_fit(app)}});
-    purposes.push_back({"Network", {add_link_test(app)}});
-    purposes.push_back({"Stability", {add_stability(app), add_sweep(app)}});
+    purposes.push_back({"Network", {add_link_test(app), add_keygen(app)}});
+    purposes.push_back({"Stability and safety", {add_stability(app), add_sweep(app), add_swarm(app)}});
     purposes.push_back({"Logs", {add_log(app)}});
-    purposes.push_back({"This machine and others",
-                        {add_doctor(app), add_stop(app), add_keygen(app), add_config(app),
-                         add_completion(app), add_swarm(app)}});
+    purposes.push_back({"Machines", {add_doctor(app), add_completion(app)}});
     for (const Purpose& purpose : purposes) {
         for (const Subcommand& command : purpose.commands) command.subcommand->group(purpose.title);
     }
@@ -42,13 +41,18 @@ std::vector<Purpose> add_commands(CLI::App& app, const std::string& typed) {
 int run_thimble(int argc, char** argv) {
     std::string typed;
     for (int i = 0; i < argc; ++i) typed += (i > 0 ? " " : "") + std::string(argv[i]);
-    CLI::App app("Teleoperation by touch: needle insertion with sensory subtraction, under network delay.",
-                 "thimble");
+    CLI::App app(
+        "Teleoperation with touch feedback: inserts a needle over a delayed network and shows the force in "
+        "four ways.",
+        "thimble");
     app.set_version_flag("--version", std::string(kVersion));
     app.require_subcommand(1);
     app.footer(
-        "Examples:\n  thimble run delay50 --out out/run\n  thimble study paper-experiment-3 --out out/study\n"
-        "  thimble help study\n\n"
+        "Examples:\n"
+        "  thimble run delay50 --out out/run\n"
+        "  thimble study paper-experiment-3 --out out/study\n"
+        "  thimble help study\n"
+        "\n"
         "Exit codes: 0 ok, 1 failed or interrupted, 2 usage or configuration, 3 network, 4 real time, 5 "
         "data.");
     const std::vector<Purpose> purposes = add_commands(app, typed);

@@ -12,7 +12,7 @@
 
 namespace thimble {
 
-// For the cut-away view alone: what no subject of a study may see.
+// For the cut-away view alone; a subject of a study must not see it.
 struct CutAway {
     double position_needle_m = 0;  // with its inserted part
     double position_fixture_m = 0;
@@ -48,7 +48,7 @@ struct Scene {
     std::optional<CutAway> cut_away{};
 };
 
-// Of the subject, to question number `question` of the page set.
+// The subject's answer to question number `question` of the page set.
 struct GivenAnswer {
     std::uint32_t question = 0;
     double value = 0;
@@ -59,7 +59,7 @@ struct ShownScene {
     SessionTime shown_at{};  // when light left the screen
 };
 
-// Every call is pure: what a wrapper forgot to pass on would vanish in it.
+// All calls are pure virtual: a wrapper that forgot one would hide it.
 class Display : boost::noncopyable {
   public:
     virtual ~Display() = default;

@@ -56,9 +56,9 @@ void check(const ConfigTable& table, const std::string& key, std::string_view wo
     const auto known = placeholders_of(kind);
     while (!words.empty()) {
         const Piece piece = take_piece(words);
-        if (piece.text.empty()) table.fail(key, "has a brace that stands alone: write {{ or }} for one");
+        if (piece.text.empty()) table.fail(key, "has a single brace: write {{ or }} for a brace");
         if (!piece.placeholder || std::find(known.begin(), known.end(), piece.text) != known.end()) continue;
-        table.fail(key, "holds the placeholder {}; this page knows {}", piece.text,
+        table.fail(key, "has the placeholder {}; this page has {}", piece.text,
                    known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")));
     }
 }
@@ -129,8 +129,8 @@ void refuse_right_to_left(const ConfigTable& table, const std::string& key, std:
     const char32_t character = right_to_left(text);
     if (character == 0) return;
     table.fail(key,
-               "holds U+{:04X}, of a script that is written from right to left: the window draws each line "
-               "from left to right, so a subject could not read it. Use another language",
+               "holds U+{:04X}, from a script that is written from right to left: the window draws every "
+               "line from left to right, so it would be unreadable. Use another language",
                static_cast<unsigned>(character));
 }
 
@@ -148,9 +148,10 @@ Instructions read_instructions(const ConfigTable& table, Instructions instructio
         const std::string name = kPageNames[i];
         const auto kind = static_cast<PageKind>(i);
         PageWords& words = instructions.pages[i];
-        auto title = read_words(table, name + "_title", kind, "In place of the page's title.");
-        auto body =
-            read_words(table, name, kind, "In place of the page's text, which may have several lines.");
+        auto title =
+            read_words(table, name + "_title", kind, "Title of the page, instead of the built-in one.");
+        auto body = read_words(table, name, kind,
+                               "Text of the page, instead of the built-in one; it may have several lines.");
         if (title) words.title = std::move(title);
         if (body) words.body = std::move(body);
     }
@@ -179,7 +180,7 @@ std::vector<std::string> named_modalities(const Instructions& instructions) {
         const std::string text = words.title.value_or("") + "\n" + words.body.value_or("");
         for (const Modality modality : kModalities) {
             if (!has_word(text, to_string(modality))) continue;
-            found.push_back(fmt::format("[instructions] {} names {}: a subject is not to know the modality",
+            found.push_back(fmt::format("[instructions] {} names {}: a subject must not know the modality",
                                         kPageNames[i], to_string(modality)));
         }
     }

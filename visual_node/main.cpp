@@ -22,7 +22,7 @@ using namespace thimble;
 
 struct Choices {
     bool window = false, fullscreen = false;
-    std::string view = "subject", scene = "cutaway", screenshot;
+    std::string role = "subject", view = "cutaway", screenshot;
 };
 
 // Frames go nowhere but into memory: no screen is needed.
@@ -49,11 +49,11 @@ class RecordingVisual final : public NodeInstance {
 std::unique_ptr<NodeInstance> build_window(VisualSettings settings, PageSet pages, const Choices& choices,
                                            Sockets& sockets, std::uint64_t instance) {
     check_drawable(pages.text());
-    const bool player = choices.view == "player";
+    const bool player = choices.role == "player";
     // The screen has its own rate; a scene that waits for a second clock would only be older.
     if (!settings.refresh_given) settings.refresh_Hz = 1000;
     if (player) settings.fingertip = settings.pointer = true;
-    settings.cut_away = player && choices.scene == "cutaway";
+    settings.cut_away = player && choices.view == "cutaway";
     settings.fullscreen = settings.fullscreen || choices.fullscreen;
     std::unique_ptr<Overlay> overlay;
     // Its sockets are its own: the node's wake the node's thread.
@@ -67,8 +67,8 @@ std::unique_ptr<NodeInstance> build_window(VisualSettings settings, PageSet page
 std::unique_ptr<NodeInstance> build_window(const VisualSettings&, PageSet, const Choices&, Sockets&,
                                            std::uint64_t) {
     throw Error(ExitCode::kUsage,
-                "this build has no windows (THIMBLE_GUI is off): use [visual] display = \"recording\", "
-                "without --window and --view");
+                "this build has no windows (THIMBLE_GUI is off): set [visual] display = \"recording\", and "
+                "leave out --window and --role");
 }
 
 #endif
@@ -77,7 +77,7 @@ std::unique_ptr<NodeInstance> build(const Choices& choices, const ConfigFile& fi
                                     std::uint64_t instance) {
     const VisualSettings settings = read_visual_settings(file);
     PageSet pages = read_pages(file);
-    if (settings.window || choices.window || choices.view != "subject") {
+    if (settings.window || choices.window || choices.role != "subject") {
         return build_window(settings, std::move(pages), choices, sockets, instance);
     }
     return std::make_unique<RecordingVisual>(settings, sockets, instance);
@@ -93,25 +93,27 @@ int main(int argc, char** argv) {
     NodeProgram program;
     program.name = "thimble-visual";
     program.description =
-        "Shows the needle outside the tissue and the surface, in VF the bar of the resisting force, and "
-        "gives the beep. "
-        "Never shows a subject the fixture or the inserted part of the needle. Without a window, the display "
-        "records "
-        "frames.";
+        "Shows the needle and the tissue surface in a window, the bar of the force in VF, and gives the "
+        "beep. A subject never sees the fixture or the needle inside the tissue. Without a window, the "
+        "program counts frames only.";
     program.example = "thimble-visual deploy/sessions/delay50.toml --window";
     program.tables = {"network", "runtime", "visual", "instructions"};
     program.add_options = [&choices](CLI::App& app) {
-        app.add_flag("--window", choices.window, "open a window, whatever [visual].display says");
-        app.add_flag("--fullscreen", choices.fullscreen, "the window fills the screen");
+        app.add_flag("--window", choices.window, "open a window, even if [visual] display is \"recording\"");
+        app.add_flag("--fullscreen", choices.fullscreen, "fill the screen with the window");
+        app.add_option("--role", choices.role,
+                       "person at the window. subject: the picture of the paper's subjects; player: the "
+                       "mouse moves the needle, a panel sets force and delay; experimenter: a view of a "
+                       "running session (see --role experimenter --help)")
+            ->check(CLI::IsMember({"subject", "player"}))
+            ->default_val(choices.role);
         app.add_option("--view", choices.view,
-                       "subject: the scene alone, and the pointer as the hand where [handle] device says so; "
-                       "player: the pointer and a panel (implies --window)")
-            ->check(CLI::IsMember({"subject", "player"}));
-        app.add_option(
-               "--scene", choices.scene,
-               "of --view player: cutaway, with the inserted needle and the fixture, or subject, without")
-            ->check(CLI::IsMember({"cutaway", "subject"}));
-        app.add_option("--screenshot", choices.screenshot, "save the last picture to this PNG file");
+                       "with --role player. cutaway: also shows the needle inside the tissue and the "
+                       "fixture; subject: the picture of the paper's subjects")
+            ->check(CLI::IsMember({"cutaway", "subject"}))
+            ->default_val(choices.view);
+        app.add_option("--screenshot", choices.screenshot, "save the last picture to this PNG file")
+            ->type_name("FILE");
     };
     program.read = [](const ConfigFile& file) {
         read_visual_settings(file);

@@ -18,8 +18,8 @@ void check_name(const ConfigTable& table, const char* key, const std::string& na
     const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
     });
-    if (!plain) table.fail(key, "is \"{}\": it must be small letters, digits and '_'", name);
-    if (!taken.insert(name).second) table.fail(key, "\"{}\" is taken: choose another", name);
+    if (!plain) table.fail(key, "is \"{}\": use small letters, digits and '_' only", name);
+    if (!taken.insert(name).second) table.fail(key, "\"{}\" is used twice: choose another", name);
 }
 
 std::string read_own_text(const ConfigTable& table, const char* key, std::string_view help) {
@@ -33,16 +33,18 @@ void need(const ConfigTable& table, const char* key, const std::string& text) {
 Question read_question(const ConfigTable& table) {
     static constexpr double kMost = 1e6;
     Question q;
-    table.read("id", q.id, "The column of its answers: small letters, digits and '_'.");
-    q.text = read_own_text(table, "text", "The question as the subject reads it.");
-    table.read("kind", q.kind, {"scale", "likert", "choice", "number"}, "How it is answered.");
-    q.low = read_own_text(table, "low", "scale, likert: the words at the lower end.");
-    q.high = read_own_text(table, "high", "scale, likert: the words at the upper end.");
-    table.read("choices", q.choices, "choice: 2 to 9 texts, one of which is chosen.");
+    table.read("id", q.id, "Name of the column with the answers: small letters, digits and '_'.");
+    q.text = read_own_text(table, "text", "Question for the subject.");
+    table.read("kind", q.kind, {"scale", "likert", "choice", "number"}, "Kind of answer.");
+    q.low = read_own_text(table, "low", "scale, likert: label of the lower end.");
+    q.high = read_own_text(table, "high", "scale, likert: label of the upper end.");
+    table.read("choices", q.choices, "choice: 2 to 9 answers, of which the subject chooses one.");
     if (q.kind == QuestionKind::kLikert) q.to = 7;
-    table.read("from", q.from, -kMost, kMost, "scale, number: the least; likert and choice count from 1.");
-    table.read("to", q.to, -kMost, kMost, "scale, number: the most; likert: how many points, else 7.");
-    table.read("step", q.step, 1e-3, kMost, "scale: between two places that can be chosen.");
+    table.read("from", q.from, -kMost, kMost,
+               "scale, number: smallest value; likert and choice count from 1.");
+    table.read("to", q.to, -kMost, kMost,
+               "scale, number: largest value; likert: number of points, default 7.");
+    table.read("step", q.step, 1e-3, kMost, "scale: distance between two positions that can be chosen.");
     const bool counts = q.kind == QuestionKind::kLikert || q.kind == QuestionKind::kChoice;
     if (counts) q.from = 1;
     if (counts || q.kind == QuestionKind::kNumber) q.step = 1;
@@ -60,22 +62,24 @@ void check_question(const ConfigTable& table, const Question& q, Names& taken) {
     const bool chooses = q.kind == QuestionKind::kChoice;
     if (chooses && (q.choices.size() < 2 || q.choices.size() > 9))
         table.fail("choices", "a choice has 2 to 9 texts");
-    if (!chooses && !q.choices.empty()) table.fail("choices", "is of kind = \"choice\" only");
+    if (!chooses && !q.choices.empty()) table.fail("choices", "works with kind = \"choice\" only");
     if (q.kind == QuestionKind::kLikert && (q.to < 2 || q.to > 9 || q.to != std::floor(q.to)))
         table.fail("to", "a likert scale has 2 to 9 points");
     if (q.kind == QuestionKind::kNumber && (q.from != std::floor(q.from) || q.to != std::floor(q.to)))
-        table.fail("to", "a number is a whole one, and so are its ends");
+        table.fail("to", "must be a whole number, as must its limits");
     if (q.from >= q.to) table.fail("to", "is {}, and from is {}: it must be greater", q.to, q.from);
-    if (!q.accepts(q.to)) table.fail("step", "does not divide the way between both ends");
+    if (!q.accepts(q.to)) table.fail("step", "does not divide the range between both ends evenly");
 }
 
 Questionnaire read_questionnaire(const ConfigTable& table) {
     Questionnaire form;
-    table.read("name", form.name, "Of its table: phenotype/NAME.tsv, or NAME_block1.tsv and so on.");
-    form.title = read_own_text(table, "title", "Over each of its questions.");
-    table.read("description", form.description, "For those who read the data.");
+    table.read("name", form.name,
+               "Name of the table with the answers: phenotype/NAME.tsv, or NAME_block1.tsv and so on.");
+    form.title = read_own_text(table, "title", "Text above each question.");
+    table.read("description", form.description, "Description for those who read the data.");
     table.read("when", form.when, {"block", "start", "end"},
-               "After each block of trials but practice; before the first trial; after the last one.");
+               "When the questionnaire appears: after each block of trials except practice; before the first "
+               "trial; or after the last one.");
     for (const ConfigTable& entry : table.tables("question", [](const ConfigTable& t) { read_question(t); }))
         form.questions.push_back(read_question(entry));
     return form;
@@ -91,11 +95,12 @@ void check_questionnaire(const ConfigTable& table, const Questionnaire& form, Na
 
 ConsentPage read_consent(const ConfigTable& table) {
     ConsentPage page;
-    table.read("version", page.version, "Of the text, as your board has approved it; it is recorded.");
-    page.title = read_own_text(table, "title", "Over the text.");
-    page.text = read_own_text(table, "text", "The participant agrees to this.");
-    page.agree = read_own_text(table, "agree", "The answer that lets the session begin.");
-    page.decline = read_own_text(table, "decline", "The answer that ends it.");
+    table.read("version", page.version,
+               "Version of the text, as the ethics board approved it; it is recorded.");
+    page.title = read_own_text(table, "title", "Title above the text.");
+    page.text = read_own_text(table, "text", "Text that the participant agrees to.");
+    page.agree = read_own_text(table, "agree", "Answer that lets the session begin.");
+    page.decline = read_own_text(table, "decline", "Answer that ends the session.");
     return page;
 }
 
@@ -129,10 +134,9 @@ PageSet load_page_set(const std::filesystem::path& path) {
         if (path == set.name) return read(ConfigFile::parse(set.text, set.name));
         names.push_back(set.name);
     }
-    throw Error(
-        ExitCode::kUsage,
-        "[instructions] pages is {}: there is no such file, and those that come with the program are {}",
-        path.string(), fmt::join(names, ", "));
+    throw Error(ExitCode::kUsage,
+                "[instructions] pages is {}: there is no such file; the built-in ones are {}", path.string(),
+                fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -200,8 +204,8 @@ PageSet read_pages(const ConfigFile& session) {
     PageSet pages;
     std::string name;
     table.read("pages", name,
-               "A page set: a file beside this one, or one that comes with the program, such as \"it.toml\" "
-               "(docs/real-subjects.md). The keys below win.");
+               "Set of pages: a file beside this one, or a built-in one such as \"it.toml\" "
+               "(docs/real-subjects.md). The keys below replace its texts.");
     if (!name.empty()) {
         const std::filesystem::path beside = session.folder() / name;
         const bool found = std::filesystem::exists(beside);

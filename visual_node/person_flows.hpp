@@ -11,7 +11,7 @@
 
 namespace thimble {
 
-// Where the hand is. Asked by the node's thread while another may move the hand.
+// The position of the hand. The node's thread asks while another thread may move it.
 class HandSource : boost::noncopyable {
   public:
     virtual ~HandSource() = default;
@@ -71,8 +71,8 @@ class HandFlow {
     bool said_any_ = false;  // in this trial
 };
 
-// A subject's request to go on, or answer to a question, on its way to the session. UDP loses messages, so the node repeats it until the session turns the page.
-// It holds for the page that the subject has read, and for no other.
+// A subject's request to go on, or answer to a question, on its way to the session. UDP loses messages, so the node
+// repeats it until the session turns the page. It holds for the page that the subject has read, and for no other.
 class GoOnRequest {
   public:
     static constexpr Duration kLook = std::chrono::milliseconds{20};    // for a key, while a page waits
@@ -96,7 +96,8 @@ class GoOnRequest {
         want(now, now + kPatience);
     }
 
-    // To the question that is shown; the last one counts until the session turns the page. To another one: nothing.
+    // An answer to the question that is shown; the last one counts until the session turns the page. Answers to other
+    // questions are ignored.
     void answer(SessionTime now, std::uint32_t question, double value) {
         if (!asks() || question != trial_) return;
         value_ = value;

@@ -1,5 +1,5 @@
-// A screen without glass: each frame becomes visible a fixed time after it was drawn (graphics card, cable,
-// panel) and is remembered for whoever wants to check what was shown.
+// A display in memory: each frame becomes visible a fixed time after it was drawn (graphics card, cable, panel) and
+// is kept for inspection.
 #pragma once
 
 #include <algorithm>

@@ -57,7 +57,7 @@ void VisualNode::on_force(SessionTime now, const ForceFeedback& feedback) {
     newest_.force_arrived = now;
 }
 
-// Of the force. One that has not come yet is not late: its first may take the network's whole delay.
+// Silence of the force. The first force may take the network's whole delay.
 Duration VisualNode::silence(SessionTime now) const {
     return newest_.force_arrived == kNever ? Duration{} : now - newest_.force_arrived;
 }

@@ -31,7 +31,7 @@ class VisualNode {
     // kNever unless a trial runs (or its last frame is due).
     SessionTime next_frame() const { return next_frame_; }
 
-    // What the eyes get when `shown` has become visible; nothing if it was drawn in an earlier trial.
+    // The percept of the eyes when `shown` has become visible; none if it was drawn in an earlier trial.
     std::optional<Percept> to_percept(const ShownScene& shown);
     // Sound takes no time: the latest percept once more, and from now to the end of the trial with the beep.
     Percept beep(SessionTime now);

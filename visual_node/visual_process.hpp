@@ -43,7 +43,8 @@ class VisualProcess final : public NodeProcess {
     bool read_page(SessionTime now, const Page& page) override;
     void work(SessionTime now) override;
     SessionTime next_work() const override {
-        return std::min({node_.next_frame(), display_->next_shown(), hand_flow_.next(), go_on_.next()});
+        const SessionTime shown = std::min(node_.next_frame(), display_->next_shown());
+        return std::min(shown, std::min(hand_flow_.next(), go_on_.next()));
     }
     StopRequest wants_stop(SessionTime /*now*/) override {
         if (!display_->take_stop()) return {};

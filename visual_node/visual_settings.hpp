@@ -43,7 +43,8 @@ struct VisualSettings {
 inline bool read_subject_goes_on(const ConfigTable& protocol) {
     bool goes_on = false;
     protocol.read("next_by", goes_on, {"experimenter", "subject"},
-                  "Who begins the next trial where a page waits: a subject by the space bar or a click.");
+                  "Person who starts the next trial where a page waits: the experimenter, or the subject by "
+                  "the space bar or a click.");
     return goes_on;
 }
 
@@ -51,36 +52,37 @@ inline bool read_subject_goes_on(const ConfigTable& protocol) {
 inline VisualSettings read_visual_settings(const ConfigTable& table) {
     VisualSettings node;
     table.read("refresh_Hz", node.refresh_Hz, 1, 1000,
-               "Frames per second; a window without this key takes scenes at 1000 Hz.");
+               "Frames per second; a window without this key computes scenes at 1000 Hz.");
     node.refresh_given = table.has("refresh_Hz");
-    table.read("pipeline_s", node.pipeline, 0, 1, "From drawing a frame to light.");
+    table.read("pipeline_s", node.pipeline, 0, 1, "Time from drawing a frame to light on the screen.");
     table.read("bar_full_scale_N", node.bar_full_scale_N, 0.1, 100,
-               "Of the longest bar; equal to [operator] full_scale_bar_N.");
-    table.read("bar_resolution", node.bar_resolution, 1, 10'000, "The longest bar in pixels.");
+               "Force of the longest bar; equal to [operator] full_scale_bar_N.");
+    table.read("bar_resolution", node.bar_resolution, 1, 10'000, "Length of the longest bar, pixels.");
     node.stale = read_stale_policy(table, node.stale, std::chrono::milliseconds{2}, std::chrono::seconds{10});
-    table.read("picture_delayed", node.picture_delayed,
-               "Needle and surface come with the force, as late as it; else at once, as in the paper.");
-    table.read("display", node.window, {"recording", "window"},
-               "Where frames go; a window needs a screen (docs/visual.md).");
-    table.read("smoothing_s", node.smoothing, 0, 0.1,
-               "A window shows the past by so much, interpolated, which hides jitter; 0: the newest sample.");
-    table.read("pointer_m_per_count", node.pointer_m_per_count, 1e-7, 0.01,
-               "Of the hand, per count of the mouse, where the mouse is the hand.");
     table.read(
-        "fingertip", node.fingertip,
-        "CF and CCF as the picture of a fingertip, for a person without devices (always in --view player).");
-    table.read("sound", node.sound, "A window beeps.");
+        "picture_delayed", node.picture_delayed,
+        "true: needle and surface arrive with the force, equally late; false: at once, as in the paper.");
+    table.read("display", node.window, {"recording", "window"},
+               "recording: count frames only; window: draw them on the screen (docs/visual.md).");
+    table.read("smoothing_s", node.smoothing, 0, 0.1,
+               "Time by which a window shows the past, interpolated; hides jitter. 0: the newest sample.");
+    table.read("pointer_m_per_count", node.pointer_m_per_count, 1e-7, 0.01,
+               "Movement of the hand per count of the mouse, where the mouse is the hand.");
+    table.read("fingertip", node.fingertip,
+               "true: show CF and CCF as the picture of a fingertip, for a person without devices (always "
+               "with --role player).");
+    table.read("sound", node.sound, "true: the window plays the beep.");
     table.read("beep_shown", node.beep_shown, {"without_sound", "always", "never"},
-               "When a window shows the beep as a bright frame as well.");
-    table.read("fullscreen", node.fullscreen, "A window fills the screen; or --fullscreen.");
+               "When a window also shows the beep, as a bright frame.");
+    table.read("fullscreen", node.fullscreen, "true: the window fills the screen; so does --fullscreen.");
     table.read("vibration", node.vibration,
-               "CF and CCF in --view player: a gamepad's motors, where it has some (docs/play.md).");
+               "true: with --role player a gamepad vibrates in CF and CCF, if it has motors (docs/play.md).");
     table.read("vibration_device", node.vibration_device,
-               "Its event device, /dev/input/eventN; empty: it is sought.");
+               "Event device of the gamepad, /dev/input/eventN; empty: searched for.");
     return node;
 }
 
-// Which devices there are is the master's to know.
+// Only the master knows the list of devices.
 inline VisualSettings read_visual_settings(const ConfigFile& file) {
     VisualSettings node = read_visual_settings(file.table("visual"));
     std::string handle;

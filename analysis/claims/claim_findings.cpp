@@ -175,7 +175,7 @@ Finding dunn_finding(const StudyColumns& columns, Metric metric, std::string_vie
         return {fmt::format("mean rank difference {:.2f}, {}", difference, p_text(pair.p_adjusted)),
                 is_larger && pair.p_adjusted < level, is_larger};
     }
-    return {"no such pair", false};
+    return {"not judged: this pair is missing", false};
 }
 
 Finding same_ranks_finding(const StudyColumns& columns, Metric metric, const NamedPairs& pairs) {
@@ -191,7 +191,7 @@ Finding same_ranks_finding(const StudyColumns& columns, Metric metric, const Nam
         finding.ours += fmt::format("{}{} - {} {}", finding.ours.empty() ? "" : ", ", names.first,
                                     names.second, p_text(pair.p_adjusted));
     }
-    if (found != pairs.size()) return {"not all of these pairs are there", false};
+    if (found != pairs.size()) return {"not judged: some of these pairs are missing", false};
     return finding;
 }
 

@@ -1,12 +1,14 @@
 // A finding for each kind of claim of the paper. Each function throws Error (data) where a test refuses the data.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "analysis/claims/claims.hpp"
 #include "analysis/tables/study_columns.hpp"
 
 namespace thimble {
@@ -35,8 +37,9 @@ Finding same_time_finding(const StudyColumns& columns);
 // in interval estimation", J. Royal Statistical Society B 16, 1954). HF's jumps have a spread, and a distance to the others' jumps.
 Finding cost_ratio_finding(const StudyColumns& columns, Metric metric, double most);
 Finding removal_spread_finding(const StudyColumns& columns);
-// 95 % of studies of the paper's size with an effect as large as here have their F in an interval, and the paper's F lies in it. Noncentral F by Patnaik's
-// approximation ("The non-central chi-square and F distributions", Biometrika 36, 1949). Of insertion, and of the removal.
+// 95 % of studies of the paper's size with an effect as large as here have their F in an interval, and the paper's F
+// lies in it. Noncentral F by Patnaik's approximation ("The non-central chi-square and F distributions", Biometrika
+// 36, 1949). Of insertion, and of the removal.
 Finding f_size_finding(const StudyColumns& columns, Metric metric, double papers_f);
 Finding removal_f_finding(const StudyColumns& columns, double papers_f);
 
@@ -64,5 +67,21 @@ Finding length_finding(const StudyColumns& one, const StudyColumns& two, const S
 std::string p_text(double p);
 // "HF 0.59, CF 4.52, CCF 5.22, VF 6.06 mm": the columns' means, as shown.
 std::string means_text(const SampleTable& table, Metric metric);
+
+// The catalogue of the paper's claims: the trials that each needs, and how it is judged. claims.hpp says what they are.
+struct Experiments {
+    StudyColumns one, two, three, no_lag;
+};
+
+struct PaperClaim {
+    const char *id, *claim, *paper;
+    std::vector<StudyColumns Experiments::*> needs;  // without trials of each of them the claim is not judged
+    std::function<Finding(const Experiments&)> judge;
+    bool has_test = true;  // false: it only counts, so that any number of subjects will do
+    ClaimKind kind = ClaimKind::kResult;
+};
+
+// In the order of claims.json.
+std::vector<PaperClaim> paper_claims();
 
 }  // namespace thimble

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "analysis/claims/paper_claims.hpp"
+#include "analysis/claims/claim_findings.hpp"
 #include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "common/text_file.hpp"
@@ -29,7 +29,7 @@ bool is_of_the_paper(const TrialConditions& c) {
            c.compensator == Compensator::kNone;
 }
 
-// Of an experiment that has trials at all.
+// For an experiment that has trials.
 bool has_all_modalities(const std::vector<TrialRow>& rows, std::uint32_t experiment) {
     if (of_experiment(rows, experiment).empty()) return true;
     const StudyColumns columns(rows, experiment);
@@ -44,7 +44,7 @@ Claim judged(const PaperClaim& of, const Experiments& experiments) {
     claim.had_trials = std::none_of(of.needs.begin(), of.needs.end(),
                                     [&](const auto need) { return (experiments.*need).empty(); });
     if (!claim.had_trials) {
-        claim.ours = "no trials to judge it by";
+        claim.ours = "not judged: there are no trials for it";
         return claim;
     }
     const std::size_t fewest = fewest_subjects(of, experiments);
@@ -101,16 +101,16 @@ void write_claims(const std::vector<Claim>& claims, const std::filesystem::path&
 
 ReportTable claims_table(const std::vector<Claim>& claims) {
     ReportTable table{"The paper's claims",
-                      "Reproduced: direction and the paper's significance both come out; of a size: it is "
-                      "within the paper's limit. "
-                      "What is there by construction, and what recounts other claims, is not counted.",
+                      "Reproduced: direction and significance are those of the paper. A size is reproduced "
+                      "if it is within the limit that follows from the paper. Claims that hold by "
+                      "construction, and claims that repeat others, are not counted.",
                       {"id", "kind", "claim", "the paper", "here", "reproduced"}};
     for (const Claim& c : claims) {
         if (!c.reproduced) continue;
         table.rows.push_back({c.id, std::string(kClaimKindNames[static_cast<std::size_t>(c.kind)]), c.claim,
                               c.paper, c.ours,
                               *c.reproduced         ? "yes"
-                              : c.direction == true ? "no, but the direction"
+                              : c.direction == true ? "only the direction"
                                                     : "no"});
     }
     return table;
@@ -126,7 +126,7 @@ std::string count_text(const std::vector<Claim>& claims, ClaimKind kind, const c
         if (c.kind != kind || !c.reproduced) continue;
         ++judged;
         reproduced += *c.reproduced;
-        if (!*c.reproduced) missing += (missing.empty() ? "; not: " : ", ") + c.id;
+        if (!*c.reproduced) missing += (missing.empty() ? "; not reproduced: " : ", ") + c.id;
     }
     if (judged == 0) return "";
     return fmt::format("{} of {} judged {} {} reproduced{}", reproduced, judged, name,
@@ -139,7 +139,7 @@ std::string claims_sentence(const std::vector<Claim>& claims) {
     const std::string sizes = count_text(claims, ClaimKind::kSize, "sizes");
     std::string text = count_text(claims, ClaimKind::kResult, "results");
     if (text.empty())
-        return fmt::format("No claim of the paper can be judged: it takes at least {} subjects",
+        return fmt::format("No claim of the paper can be judged: at least {} subjects are needed",
                            kFewestJudged);
     if (!sizes.empty()) text += "; " + sizes;
     const auto refused = std::count_if(claims.begin(), claims.end(), [](const Claim& c) {

@@ -1,4 +1,5 @@
-// The paper's claims, judged on a table of trials with the paper's tests, significance and direction. A claim is reproduced only if direction and significance both come out.
+// The paper's claims, judged on a table of trials with the paper's tests, significance and direction. A claim is
+// reproduced only if direction and significance both come out.
 //
 // Prattichizzo, Pacchierotti and Rosati, "Cutaneous Force Feedback as a Sensory Subtraction Technique in
 // Haptics", IEEE Transactions on Haptics 5(4), 2012.
@@ -19,7 +20,7 @@
 
 namespace thimble {
 
-// By-construction: what comes out was put into the model. Recount: other claims say the same. Neither is counted.
+// By-construction: the model contains the result. Recount: other claims say the same. Neither counts.
 enum class ClaimKind : std::uint8_t { kResult, kSize, kByConstruction, kRecount };
 inline constexpr std::array<std::string_view, 4> kClaimKindNames{"result", "size", "by-construction",
                                                                  "recount"};
@@ -57,7 +58,7 @@ nlohmann::ordered_json to_json(const Claim& claim);
 // (run failed) if it cannot be written.
 void write_claims(const std::vector<Claim>& claims, const std::filesystem::path& json);
 
-// Those that were judged.
+// Table of the judged claims.
 ReportTable claims_table(const std::vector<Claim>& claims);
 // "17 of 19 judged results are reproduced", and the same of sizes, each with the claims that are not. Only claims that count.
 std::string claims_sentence(const std::vector<Claim>& claims);

@@ -33,7 +33,7 @@ double session_s(const StudyColumns& columns) {
     return sum_s / static_cast<double>(columns.subjects().size());
 }
 
-// Throws Error (data) if a subject has fewer than another: an unfinished sitting says nothing of its length.
+// Throws Error (data) if subjects differ in their number of trials: the length of an unfinished session is unknown.
 double trials_per_subject(const StudyColumns& columns) {
     std::map<std::uint32_t, std::size_t> trials;
     for (const TrialRow& row : columns.rows()) ++trials[row.conditions.subject];
@@ -85,8 +85,8 @@ Finding lag_finding(const StudyColumns& one, const StudyColumns& no_lag) {
             costs && lag.difference < cost_m && lag.p < 1e-3, costs};
 }
 
-// No model has the time between trials: the paper's first sitting gives it, less half a minute's pause between its
-// halves. It has to give the length of the other sitting.
+// The model has no time between trials. It follows from the paper's first session, less half a minute of pause
+// between its halves, and must then give the length of the second session.
 Finding length_finding(const StudyColumns& one, const StudyColumns& two, const StudyColumns& three) {
     constexpr double kFirst_s = 9.13 * 60, kPause_s = 30, kSecond_s = 8.39 * 60, kTolerance = 0.05;
     const double trials = trials_per_subject(one) + trials_per_subject(two);

@@ -1,6 +1,6 @@
-#include "analysis/claims/paper_claims.hpp"
-
 #include <utility>
+
+#include "analysis/claims/claim_findings.hpp"
 
 namespace thimble {
 namespace {
@@ -113,7 +113,7 @@ std::vector<PaperClaim> claims_on_delay() {
 std::vector<PaperClaim> claims_of_the_text() {
     return {
         as(ClaimKind::kRecount, PaperClaim{"E3.time.only_delay",
-                                           "HF's penalty in time is absent without delay",
+                                           "without delay, HF takes no longer than the others",
                                            "E1.time.same with E3.time.differs",
                                            {&E::one, &E::three},
                                            [](const E& e) { return only_delay_finding(e.one, e.three); }}),
@@ -126,7 +126,7 @@ std::vector<PaperClaim> claims_of_the_text() {
                       {&E::one, &E::no_lag},
                       [](const E& e) { return lag_finding(e.one, e.no_lag); }}),
         PaperClaim{"S.length",
-                   "a sitting takes as long as the paper's",
+                   "a participant session takes as long as in the paper",
                    "text: 9.13 min with experiments 1 and 2 (26 trials), 8.39 min with experiment 3",
                    {&E::one, &E::two, &E::three},
                    [](const E& e) { return length_finding(e.one, e.two, e.three); },

@@ -17,7 +17,7 @@ using Shown = std::vector<Metric>;
 // Width that the bars of one modality share; the rest of 1 is the gap to the next.
 constexpr double kGroup = 0.76;
 
-// Arrows with flat heads, narrower than the bar: error bars come with a point, which leaves a white hole in the bar.
+// Error bars as arrows with flat heads: gnuplot's error bars draw a point that leaves a white hole in the bar.
 std::string whisker(std::size_t blocks) {
     const double head = std::min(0.005, 0.02 / static_cast<double>(blocks));
     return fmt::format("with vectors heads size screen {:.4f},90 linewidth 1.3 linecolor 'black'", head);
@@ -187,9 +187,9 @@ std::string bar_caption(const std::vector<ConditionSummary>& conditions, const S
         trials_high = std::max(trials_high, condition.judged);
     }
     return fmt::format(
-        "By one-way delay: {}, and time from tissue entry to the beep. Bars: mean over the n subjects below "
-        "them, whose trials are averaged first ({} trials of {} subjects per condition); whiskers: ± one "
-        "standard deviation over these subjects. Trials without a beep have no completion time.",
+        "By one-way delay: {}, and time from tissue entry to the beep. Bars: mean over n subjects (n stands "
+        "below the bar), whose trials are averaged first ({} trials of {} subjects per condition); whiskers: "
+        "± one standard deviation over these subjects. Trials without a beep have no completion time.",
         shown[0] == Metric::kPeakDisplacement
             ? "how far the needle jumps when the fixture vanishes"
             : "average and maximum penetration beyond the fixture between first contact and beep",
@@ -249,10 +249,10 @@ FigureSource all_bars_figure(const std::vector<StudyColumns>& experiments, const
     grid.head_px = 30;
     grid.entries = key_entries(panels, {"mean"});
     return {name, "Depth and time, side by side",
-            "Bars: mean over the n subjects below them, whose trials are averaged first; whiskers: ± one "
-            "standard deviation. Above: average penetration beyond the fixture. Middle: maximum penetration; "
-            "in experiment 2 how far "
-            "the needle jumps when the fixture vanishes. Below: time from tissue entry to the beep.",
+            "Bars: mean over n subjects (n stands below the bar), whose trials are averaged first; whiskers: "
+            "± one standard deviation. Above: average penetration beyond the fixture. Middle: maximum "
+            "penetration; in experiment 2 how far the needle jumps when the fixture vanishes. Below: time "
+            "from tissue entry to the beep.",
             bar_data(panels, 1), bar_script(panels, grid, 1, name)};
 }
 

@@ -43,7 +43,7 @@ std::vector<CellEdges> edges_between(const std::vector<double>& values, double l
 
 std::vector<CellEdges> edges_of(std::vector<double> values, bool logarithmic) {
     const double lowest = *std::min_element(values.begin(), values.end());
-    // Below zero there is nothing, unless a value is there.
+    // No cell below zero unless a value lies there.
     if (!logarithmic)
         return edges_between(values, lowest < 0 ? -kInfinite : 0, lowest == 0 ? 1 : 0.1 * std::abs(lowest));
     for (double& value : values) value = portable::log(value);

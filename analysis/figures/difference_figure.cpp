@@ -33,7 +33,7 @@ bool with_handle(const ConditionPair& pair) {
 
 bool is_judged(const ConditionPair& pair) { return pair.can_be_judged(); }
 
-// Of one subject there is no spread to show.
+// A single subject has no spread to show.
 Differences differences_of(const StudyColumns& columns, Metric metric) {
     Differences all{metric, 0, 0, compare_conditions(columns, metric), columns.subject_means(metric)};
     std::erase_if(all.pairs, [](const ConditionPair& pair) { return !pair.shift || pair.n < 2; });
@@ -196,7 +196,7 @@ std::string how(const std::vector<Differences>& panels) {
         }
     }
     const bool paired = panels[0].pairs[0].paired;
-    return fmt::format("n = {} {} per pair, by the {} test, which is that of the table.{}",
+    return fmt::format("n = {} {} per pair. The intervals belong to the {} test of the table.{}",
                        range_text(low, high), paired ? "subjects" : "trials",
                        paired ? "signed-rank" : "rank-sum",
                        few > 0 ? " Pairs with too few for a test have no interval." : "");
@@ -210,10 +210,10 @@ FigureSource difference_figure(const StudyColumns& columns, const std::vector<Me
     if (panels.empty()) return {};
     return {
         name, "Differences",
-        fmt::format("{} First minus second modality: Hodges and Lehmann's estimate and the 95 % confidence "
-                    "interval that holds for all pairs of a measure at once. {} Pairs with HF and without "
-                    "it have scales of their own.",
-                    trials_text(columns), how(panels)),
+        fmt::format(
+            "{} First minus second modality: Hodges-Lehmann estimate with the 95 % confidence interval for "
+            "all pairs of a measure at once. {} Pairs with HF and pairs without HF have different scales.",
+            trials_text(columns), how(panels)),
         difference_data(panels), difference_script(panels, name)};
 }
 

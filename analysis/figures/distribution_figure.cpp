@@ -108,10 +108,10 @@ FigureSource distribution_figure(const StudyColumns& columns, const std::vector<
     for (const Metric metric : metrics) measures.push_back(columns.groups(metric));
     measures = present_columns(std::move(measures));
     return {name, "Distributions",
-            fmt::format("{} Each trial is a point, spread sideways to be seen. n: trials that have the "
-                        "measure. Box: quartiles and median; cross: mean; whiskers: last trial within 1.5 "
-                        "times the height of the box. Trials of one subject are not independent: the tests "
-                        "average them first.",
+            fmt::format("{} Each point is one trial; points are spread sideways so that all can be seen. n: "
+                        "trials with this measure. Box: quartiles and median; cross: mean; whiskers: "
+                        "farthest trials within 1.5 times the height of the box. Trials of one subject are "
+                        "not independent, so the tests average them first.",
                         trials_text(columns)),
             distribution_data(measures, metrics), distribution_script(measures, metrics, name)};
 }

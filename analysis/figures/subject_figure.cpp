@@ -72,8 +72,8 @@ FigureSource subject_figure(const StudyColumns& columns, const std::vector<Metri
     for (const Metric metric : metrics) measures.push_back(columns.subject_means(metric));
     measures = present_columns(std::move(measures));
     return {name, "Every subject",
-            fmt::format("{} The trials of each subject are averaged per modality. n: subjects that have the "
-                        "measure. Black: the mean of these n.",
+            fmt::format("{} The trials of each subject are averaged per modality. n: subjects with this "
+                        "measure. Black: mean over these subjects.",
                         trials_text(columns)),
             subject_data(columns, measures, metrics), subject_script(columns, measures, metrics, name)};
 }

@@ -226,9 +226,8 @@ std::string trajectory_script(const TrajectoryGrid& of, const std::string& name)
 
 std::string axis_text(bool seconds) {
     return seconds ? "Time from the needle's first contact with the fixture (0 s). Depth in percent: 0 % is "
-                     "the tissue surface at rest, "
-                     "100 % the trial's fixture. Vertical lines: where the mean enters the tissue, contact, "
-                     "and the mean beep. "
+                     "the tissue surface at rest, 100 % the trial's fixture. Vertical lines: mean entry into "
+                     "the tissue, first contact, and mean beep. "
                    : "Depth in percent: 0 % is the tissue surface at rest, 100 % the trial's fixture. Each "
                      "trial's time is stretched, from "
                      "tissue entry (0 %) to the beep (100 %). ";
@@ -254,11 +253,9 @@ std::string trajectory_caption(const std::vector<TrajectoryCell>& cells) {
     for (const TrajectoryCell& cell : cells) counts.add(cell.curve);
     return fmt::format(
         "Needle and tissue surface (dashed). {}Mean with a band of one standard deviation over n = {} {} per "
-        "panel. Grey: the needle of "
-        "one single trial, because averaging trials of different phase hides an oscillation. Of all trials "
-        "{} ended with a beep, {} "
-        "without (their end stands for it), {} never {} and are left out. Means are drawn where at least "
-        "half of the {} have samples.",
+        "panel. Grey: the needle of one single trial, because a mean over trials of different phase hides an "
+        "oscillation. {} trials ended with a beep. {} ended without one, and their end is used instead. {} "
+        "never {} and are left out. Means are drawn where at least half of the {} have samples.",
         axis_text(counts.seconds), range_text(std::min(counts.low, counts.high), counts.high),
         counts.of_subjects ? "subjects, whose trials are averaged first," : "trials", counts.with_beep,
         counts.without_beep, counts.left_out, counts.seconds ? "touched the fixture" : "entered the tissue",

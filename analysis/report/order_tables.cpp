@@ -1,5 +1,3 @@
-#include "analysis/report/order_tables.hpp"
-
 #include <cmath>
 #include <optional>
 #include <set>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "analysis/findings.hpp"
+#include "analysis/report/report_tables.hpp"
 #include "analysis/statistics/mixed_model.hpp"
 #include "common/error.hpp"
 
@@ -22,7 +21,7 @@ struct OrderData {
 };
 
 OrderData order_data(const StudyColumns& columns, Metric metric) {
-    OrderData data{{std::string(info(metric).name), {}}, {{"intercept", {}}, {"ten trials", {}}}, {}};
+    OrderData data{{std::string(info(metric).name), {}}, {{"intercept", {}}, {"per ten trials", {}}}, {}};
     std::vector<StudyColumns::Condition> there;
     for (const StudyColumns::Condition& condition : columns.conditions())
         if (!columns.rows_of(condition).empty()) there.push_back(condition);
@@ -76,8 +75,8 @@ std::vector<ReportTable> order_tables(const std::vector<TrialRow>& rows) {
             const StudyColumns columns(rows, experiment, delay_s);
             ReportTable table{
                 fmt::format("Single trials of experiment {} at {}", experiment, delay_text(delay_s)),
-                "Linear mixed model by REML: modality and the trial's number, and an intercept per subject. "
-                "Interval: 95 %, Wald's, of this effect alone.",
+                "Linear mixed model (REML) with fixed effects of modality and trial number, and a random "
+                "intercept per subject. From, to: 95 % Wald interval of this effect alone.",
                 {"measure", "effect", "estimate", "from", "to", "P"}};
             for (const Metric metric : measures_of(experiment))
                 if (const auto model = model_of(columns, metric)) add_rows(table, *model, metric);

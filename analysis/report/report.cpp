@@ -158,7 +158,7 @@ Json to_json(const ReportSection& section) {
 }
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& why) {
-    throw Error(ExitCode::kData, fmt::format("{}: {}; is this the --out folder of a thimble run or study?",
+    throw Error(ExitCode::kData, fmt::format("{}: {}; name the --out folder of thimble run or thimble study",
                                              file.string(), why));
 }
 
@@ -177,11 +177,10 @@ void require_tables(const Json& digests, const std::filesystem::path& folder) {
     for (const auto& [name, digest] : digests.items()) {
         const std::string now = sha256_of_file(folder / name);
         if (now == digest.get<std::string>()) continue;
-        throw Error(
-            ExitCode::kData,
-            "{}: {} since summary.json was written, so that both say different things; restore it, or "
-            "run again (thimble analyse reads a changed table)",
-            (folder / name).string(), now.empty() ? "is gone" : "was changed");
+        throw Error(ExitCode::kData,
+                    "{}: {} since summary.json was written, so the two do not agree: restore the file, or "
+                    "repeat the run (thimble analyse reads a changed table)",
+                    (folder / name).string(), now.empty() ? "is gone" : "was changed");
     }
 }
 
@@ -254,10 +253,10 @@ ReportSection agreement_section(const std::vector<TrialRow>& real,
                                 const std::vector<TrialRow>& in_virtual_time) {
     Agreement agreement = compare_trials(real, in_virtual_time);
     ReportSection section;
-    section.title = "Real processes against virtual time";
+    section.title = "Real processes compared with virtual time";
     section.text = fmt::format(
-        "The class agrees in {} of {} trials that both have. {} real trials have no counterpart or did not "
-        "run to their end.",
+        "The class agrees in {} of {} trials that both have. {} real trials have no counterpart in virtual "
+        "time, or did not run to their end.",
         agreement.same_class, agreement.compared, agreement.unmatched);
     section.tables = {std::move(agreement.metrics), std::move(agreement.classes)};
     return section;

@@ -2,7 +2,9 @@
 // alone, and the same numbers as summary.json.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -77,5 +79,15 @@ inline constexpr const char* kDesign = "design";
 inline constexpr const char* kUsersDesign = "user";
 // As summary.json in this folder says it; nothing if there is none, or of an earlier version.
 std::optional<std::string> design_in(const std::filesystem::path& folder);
+
+// Figures of a study's report. One gnuplot draws all figures.
+struct StudyFigures {
+    DrawnFigures side_by_side;                          // of a study with more than one experiment
+    std::map<std::uint32_t, DrawnFigures> experiments;  // each that has panels
+};
+// Into OUTPUT/figures; names end in "_experiment1" where there are several. Failure becomes the `problem` of
+// those that miss a figure.
+StudyFigures draw_study(const std::vector<TrialRow>& rows, const PanelsByExperiment& panels,
+                        const std::filesystem::path& output);
 
 }  // namespace thimble

@@ -23,9 +23,10 @@ std::string shown(double value, Metric metric) {
 
 ReportTable statistics_table(std::string title, const std::vector<ConditionSummary>& conditions,
                              std::span<const Metric> metrics) {
-    ReportTable table{std::move(title),
-                      "Mean and standard deviation over n subjects, whose trials are averaged first.",
-                      {"delay", "modality", "trials"}};
+    ReportTable table{
+        std::move(title),
+        "Mean and standard deviation (SD) over n subjects. The trials of each subject are averaged first.",
+        {"delay", "modality", "trials"}};
     for (const Metric metric : metrics) {
         table.columns.emplace_back(info(metric).label);
         table.columns.emplace_back("SD");
@@ -74,7 +75,7 @@ void add_metrics(ReportTable& table, const TrialRow& real, const TrialRow& in_vi
     table.rows.push_back(std::move(cells));
 }
 
-const char* class_text(bool oscillates) { return oscillates ? "oscillates" : "holds"; }
+const char* class_text(bool oscillates) { return oscillates ? "oscillates" : "stable"; }
 
 }  // namespace
 

@@ -24,4 +24,8 @@ struct Agreement {
 };
 Agreement compare_trials(const std::vector<TrialRow>& real, const std::vector<TrialRow>& in_virtual_time);
 
+// A table per experiment and delay: of each measure the change with every ten trials, the differences of the modalities from the first
+// one, and how much subjects differ. Empty where no group of trials can be judged.
+std::vector<ReportTable> order_tables(const std::vector<TrialRow>& rows);
+
 }  // namespace thimble

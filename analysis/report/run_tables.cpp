@@ -26,10 +26,10 @@ std::string program(const NodeReport& node) { return node.report.value("program"
 }  // namespace
 
 ReportTable deadline_table(const std::vector<NodeReport>& reports) {
-    ReportTable table{
-        "Deadlines",
-        "Lateness: wake-up after its absolute deadline, in microseconds. Missed: by more than 1 ms.",
-        {"condition", "program", "deadlines", "missed", "median", "99 %", "worst"}};
+    ReportTable table{"Deadlines",
+                      "Median, 99 % and worst: lateness of a program's wake-up after its deadline, us. "
+                      "Missed: deadlines that were missed by more than 1 ms.",
+                      {"condition", "program", "deadlines", "missed", "median", "99 %", "worst"}};
     for (const NodeReport& node : reports) {
         if (!node.report.contains("deadlines")) continue;  // the session's own: it has none
         const auto lateness = node.report.value("lateness", nlohmann::ordered_json::object());
@@ -43,10 +43,11 @@ ReportTable deadline_table(const std::vector<NodeReport>& reports) {
 }
 
 ReportTable refusal_table(const std::vector<NodeReport>& reports) {
-    ReportTable table{"Refused datagrams",
-                      "Each is counted by its reason and otherwise harmless; counters at zero are left out. "
-                      "wrong_trial counts what was still on its way when a trial ended.",
-                      {"condition", "program", "reason", "count"}};
+    ReportTable table{
+        "Refused datagrams",
+        "Refused datagrams do no harm: the program counts them by reason and drops them. Counts of zero are "
+        "left out. wrong_trial: datagrams that were still on their way when a trial ended.",
+        {"condition", "program", "reason", "count"}};
     for (const NodeReport& node : reports) {
         const auto refused = node.report.value("refused", nlohmann::ordered_json::object());
         for (const auto& [reason, count] : refused.items()) {
@@ -60,11 +61,11 @@ ReportTable refusal_table(const std::vector<NodeReport>& reports) {
 ReportTable security_table(const std::vector<NodeReport>& reports) {
     constexpr std::array kRefusals{"forged", "replayed", "wrong_role",
                                    "no_key", "unsealed", "handshake_refused"};
-    ReportTable table{
-        "Protection",
-        "Datagrams that were sealed and opened, handshakes completed (one per program, one more for each "
-        "renewal or restart), and what was refused, by its reason; thimble is the session.",
-        {"condition", "program", "sealed", "opened", "handshakes"}};
+    ReportTable table{"Protection",
+                      "Datagrams that each program encrypted (sealed) and decrypted (opened). Handshakes "
+                      "that it completed: one, and one more for each renewal or restart. Last columns: "
+                      "refused datagrams by reason. The program thimble runs the session.",
+                      {"condition", "program", "sealed", "opened", "handshakes"}};
     table.columns.insert(table.columns.end(), kRefusals.begin(), kRefusals.end());
     for (const NodeReport& node : reports) {
         const auto security = node.report.value("security", nlohmann::ordered_json::object());
@@ -80,10 +81,10 @@ ReportTable security_table(const std::vector<NodeReport>& reports) {
 }
 
 ReportTable stale_table(const std::vector<NodeReport>& reports) {
-    ReportTable table{
-        "Silent inputs",
-        "Where an input fell silent for longer than its time: which policy acted, how often and how long.",
-        {"condition", "program", "policy", "trial", "times", "acted, ms", "longest, ms"}};
+    ReportTable table{"Silent inputs",
+                      "Inputs that received nothing for longer than their time-out: the policy that acted, "
+                      "how often, and for how long.",
+                      {"condition", "program", "policy", "trial", "times", "acted, ms", "longest, ms"}};
     for (const NodeReport& node : reports) {
         const auto acted = node.report.value("stale_acted", nlohmann::ordered_json::array());
         for (const auto& one : acted) {
@@ -98,8 +99,8 @@ ReportTable stale_table(const std::vector<NodeReport>& reports) {
 
 ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& network) {
     ReportTable table{"Machines",
-                      "Where each node ran. The bare round trip above is this machine's own, without a wire: "
-                      "a ratio to it holds the wires as well.",
+                      "Machine of each node. The bare round trip above was measured on this machine, without "
+                      "a network cable, so its ratio includes the cables.",
                       {"program", "machine", "address"}};
     const auto add = [&](const char* program, const std::string& machine, Role role) {
         table.rows.push_back({program, machine.empty() ? "this one" : machine, network.host(role)});
@@ -110,13 +111,14 @@ ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& net
 }
 
 ReportTable round_trip_table(const std::vector<TrialRow>& rows, const Histogram& bare) {
-    ReportTable table{"Round trip",
-                      fmt::format("Encoder sample to its force at the handle: {} hops through netem and "
-                                  "slave_sim, codec and all. Bare: two processes, blocking, {} exchanges in "
-                                  "the same run, median {:.1f} us there and back (99 % {:.0f} us), times {}.",
-                                  kHops, bare.count(), to_seconds(bare.quantile(0.5)) * 1e6,
-                                  to_seconds(bare.quantile(0.99)) * 1e6, kHops / 2),
-                      {"condition", "modality", "median, us", "bare x hops, us", "ratio"}};
+    ReportTable table{
+        "Round trip",
+        fmt::format("Time from an encoder sample to its force at the handle: {} hops through netem and "
+                    "slave_sim, with the codec. Bare: two blocking processes in the same run, {} exchanges "
+                    "with a median of {:.1f} us for both ways (99 %: {:.0f} us), times {}.",
+                    kHops, bare.count(), to_seconds(bare.quantile(0.5)) * 1e6,
+                    to_seconds(bare.quantile(0.99)) * 1e6, kHops / 2),
+        {"condition", "modality", "median, us", "bare x hops, us", "ratio"}};
     const double bare_us = to_seconds(bare.quantile(0.5)) * 1e6 * kHops / 2;
     for (const TrialRow& row : rows) {
         if (row.conditions.delay_s > 0 || std::isnan(row.round_trip_s)) continue;
@@ -136,7 +138,7 @@ std::string one_way_text_us(const std::optional<OneWayDelay>& delay) {
 }
 
 std::string rate_text_ppm(const ClockSummary& clock) {
-    if (!clock.even) return "not even";
+    if (!clock.even) return "not constant";
     if (!clock.rate_known()) return kUnknown;
     return fmt::format("{:.2f} to {:.2f}", 1e6 * clock.rate_low, 1e6 * clock.rate_high);
 }
@@ -144,10 +146,11 @@ std::string rate_text_ppm(const ClockSummary& clock) {
 ReportTable clock_table(const std::vector<NodeClock>& clocks) {
     ReportTable table{
         "Clocks",
-        "Each node's clock minus the session's at the last exchange: surely within offset +- bound, whatever "
-        "the network did. Rate: how fast the node's clock gains, all that the exchanges allow. Exchanges "
-        "pass the control channel, not the emulated network; one-way delays are its own, shown where the "
-        "bound is smaller than the value. Two nodes: difference of offsets, sum of bounds.",
+        "Offset: clock of the node minus clock of the session, at the last exchange. The true value lies "
+        "within offset +- bound, for any behaviour of the network. Rate: gain of the node's clock; the whole "
+        "range that the exchanges allow. The exchanges use the control channel, not the emulated network. "
+        "There, back: one-way delays of the control channel, shown if the bound is smaller than the value. "
+        "For two nodes, subtract the offsets and add the bounds.",
         {"condition", "node", "offset, s", "bound, us", "rate, ppm", "exchanges", "steps", "there, us",
          "back, us"}};
     for (const NodeClock& clock : clocks) {

@@ -1,9 +1,9 @@
-#include "analysis/report/study_figures.hpp"
-
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "analysis/report/report.hpp"
 
 namespace thimble {
 namespace {

@@ -1,6 +1,7 @@
 // Tail probabilities and quantiles of the distributions the tests refer to. Boost.Math evaluated in double (no
-// promotion: the same bits from every compiler) and by complements, so that small tails keep their digits.
-// Arguments must be numbers, degrees of freedom positive, probabilities in (0, 1). Each throws Error (kData) where it cannot compute a value.
+// promotion: the same bits from every compiler) and by complements, so that small tails keep their digits. Arguments
+// must be numbers, degrees of freedom positive, probabilities in (0, 1). Each throws Error (kData) where it cannot
+// compute a value.
 #pragma once
 
 #include "analysis/statistics/named_values.hpp"

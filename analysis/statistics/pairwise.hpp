@@ -24,8 +24,9 @@ struct MeanPair {
     double p_holm = 1;
 };
 
-// t with the error mean square of repeated_anova and its degrees of freedom, for all pairs:
-// t = difference / sqrt(2 ms_error / n), df = (n - 1)(k - 1). GraphPad Prism's way, which the paper used. It is right only under sphericity. Errors as repeated_anova's.
+// t with the error mean square of repeated_anova and its degrees of freedom, for all pairs: t = difference / sqrt(2
+// ms_error / n), df = (n - 1)(k - 1). GraphPad Prism's way, which the paper used. It is right only under sphericity.
+// Errors as repeated_anova's.
 std::vector<MeanPair> pairs_after_repeated_anova(const SampleTable& table, double confidence = 0.95);
 
 struct PairedTests {

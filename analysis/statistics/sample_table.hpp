@@ -40,8 +40,9 @@ class SampleTable {
     std::size_t subjects_ = 0;
 };
 
-// Listwise deletion: a subject with a missing cell (NaN) is left out of all conditions. Biased unless cells
-// are missing by chance, so say how many were dropped. Infinite cells are an error, not missing. A table without a complete row is an error too.
+// Listwise deletion: a subject with a missing cell (NaN) is left out of all conditions. Biased unless cells are
+// missing by chance, so say how many were dropped. Infinite cells are an error, not missing. A table without a
+// complete row is an error too.
 struct CompleteRows {
     SampleTable table;
     std::vector<std::size_t> dropped;  // subjects left out, as numbered in the columns, from 0

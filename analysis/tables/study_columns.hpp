@@ -1,4 +1,6 @@
-// The data of one experiment's tests: per measure a table of subjects x modalities. Each subject's trials are averaged first, as in the paper. Where the rows have HF with several delay compensators, each is a column of its own.
+// The data of one experiment's tests: per measure a table of subjects x modalities. Each subject's trials are
+// averaged first, as in the paper. Where the rows have HF with several delay compensators, each is a column of its
+// own.
 #pragma once
 
 #include <cstdint>

@@ -1,12 +1,9 @@
 #include "analysis/text/gnuplot.hpp"
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
+#include <string_view>
 #include <system_error>
-#include <utility>
 
-#include <boost/algorithm/string/replace.hpp>
 #include <fmt/format.h>
 
 #include "common/error.hpp"
@@ -35,27 +32,40 @@ if (!exists("as_pdf") && strstrt(GPVAL_TERMINALS, "pdfcairo") > 0) {{
                        name);
 }
 
-std::string read_binary(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+// The text of a figure that was drawn to its end, else nothing.
+std::string svg_file(const std::filesystem::path& directory, const std::string& name) {
+    std::string svg = read_text_file(directory / (name + ".svg"));
+    return svg.find("</svg>") == std::string::npos ? std::string() : svg;
 }
 
 // A PDF carries the second it was made in; without it the same figure is the same bytes.
 void forget_date(const std::filesystem::path& pdf) {
     constexpr std::string_view kKey = "/CreationDate (D:", kDate = "19700101000000";
-    std::string bytes = read_binary(pdf);
+    std::string bytes = read_text_file(pdf);
     const std::size_t at = bytes.rfind(kKey);
     if (at == std::string::npos || at + kKey.size() + kDate.size() > bytes.size()) return;
     bytes.replace(at + kKey.size(), kDate.size(), kDate);
     write_text_file(pdf, bytes);
 }
 
+// boost::replace_all would move the rest of the text byte by byte.
+std::string with_behind_each(std::string_view text, std::string_view mark, std::string_view added) {
+    std::string longer;
+    longer.reserve(text.size() + text.size() / 8);
+    for (std::size_t at = text.find(mark); at != std::string_view::npos; at = text.find(mark)) {
+        longer.append(text.substr(0, at + mark.size())).append(added);
+        text.remove_prefix(at + mark.size());
+    }
+    return longer.append(text);
+}
+
 // Without XML declaration, DOCTYPE and comments, which may not stand inside HTML or name outside addresses;
 // with ids of its own, since gnuplot gives the same ones to every figure.
 std::string embeddable_svg(std::string text, const std::string& name) {
     text.erase(0, text.find("<svg"));
+    const std::string own = name + "-";
     for (const char* before : {"id=\"", "id='", "xlink:href='#", "xlink:href=\"#", "url(#"})
-        boost::replace_all(text, before, before + name + "-");
+        text = with_behind_each(text, before, own);
     return text;
 }
 
@@ -93,7 +103,7 @@ void draw_nothing() { draws_nothing() = true; }
 
 std::optional<std::string> draw_with_gnuplot(const std::filesystem::path& directory,
                                              const std::vector<FigureSource>& figures) {
-    if (draws_nothing()) throw Error(ExitCode::kRunFailed, "this process draws no figures");
+    if (draws_nothing()) throw Error(ExitCode::kRunFailed, "figures are switched off for this process");
     std::error_code failure;
     std::filesystem::create_directories(directory, failure);  // what went wrong shows when writing
     std::vector<std::string> arguments{"-d"};
@@ -108,7 +118,7 @@ std::optional<std::string> draw_with_gnuplot(const std::filesystem::path& direct
     const ProgramResult result = run_program("gnuplot", arguments, directory, kRemedy);
     std::string missing;
     for (const FigureSource& figure : figures) {
-        if (!drawn_svg(directory, figure.name)) missing += " " + figure.name;
+        if (svg_file(directory, figure.name).empty()) missing += " " + figure.name;
         forget_date(directory / (figure.name + ".pdf"));
     }
     if (result.exit_code == 0 && missing.empty()) return std::nullopt;
@@ -119,9 +129,9 @@ std::optional<std::string> draw_with_gnuplot(const std::filesystem::path& direct
 }
 
 std::optional<std::string> drawn_svg(const std::filesystem::path& directory, const std::string& name) {
-    std::string svg = read_binary(directory / (name + ".svg"));
-    if (svg.find("</svg>") == std::string::npos) return std::nullopt;
-    return embeddable_svg(std::move(svg), name);
+    const std::string svg = svg_file(directory, name);
+    if (svg.empty()) return std::nullopt;
+    return embeddable_svg(svg, name);
 }
 
 std::string run_gnuplot(const std::filesystem::path& directory, const std::string& name,

@@ -16,7 +16,7 @@ namespace thimble {
 inline UdpAddress loopback() { return {htonl(INADDR_LOOPBACK), 0}; }
 inline double us(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
 
-// A helper must not inherit the real-time scheduling of what is measured.
+// A helper must not inherit the real-time scheduling of the measured thread.
 inline void be_ordinary() {
     const sched_param none{};
     sched_setscheduler(0, SCHED_OTHER, &none);

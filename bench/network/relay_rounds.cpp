@@ -33,7 +33,7 @@ double thread_cpu_s() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// Notes what this thread used while the object lives.
+// Measures the resources that this thread uses while the object lives.
 class Usage {
   public:
     explicit Usage(LatenessRound& round) : round_(round) {}

@@ -1,5 +1,5 @@
-// One measurement of a relay, and of the bare thing it is weighed against. Each call is one round; rounds of both are
-// alternated, so that the machine's moods fall on both.
+// One measurement of a relay, and of the plain mechanism that it is compared with. Each call is one round. Rounds of
+// both alternate, so that disturbances of the machine affect both.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// The robust way to speak of lateness on a machine that stalls: the median over short windows of each window's 50 % and
-// 99 %. Maxima and raw 99.9 % belong to the host.
+// A robust measure of lateness on a machine that stalls: the median over short windows of each window's 50 % and 99
+// %. Maxima and raw 99.9 % depend on the host.
 #pragma once
 
 #include <algorithm>

@@ -24,7 +24,7 @@ void require(int flag, const char* what) {
     throw Error(ExitCode::kRunFailed, "CVODE: {} failed ({})", what, name.get());
 }
 
-// CVODE gives up at some of the tolerances of the sweep. Its flag says so.
+// CVODE gives up at some of the tolerances of the sweep. The flag records it.
 void silent(int /*code*/, const char* /*module*/, const char* /*function*/, char* /*text*/, void* /*data*/) {}
 
 }  // namespace

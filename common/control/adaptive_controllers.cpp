@@ -78,11 +78,12 @@ class PredictedShareEnd {
 };
 
 constexpr std::array kShareKeys{
-    thimble_controller_key{"predicted_damping_Ns_per_m", 15, 0, 1000,
-                           "Damping that hand and handle are certain to have."},
-    thimble_controller_key{"predicted_stiffness_N_per_m", 9000, 1, 1e6,
-                           "Of the fixture at the hand, before it is learnt."},
-    thimble_controller_key{"predicted_margin", 0.8, 0, 1, "Of the largest share that is stable."}};
+    thimble_controller_key{"predicted_damping_Ns_per_m", kByDefault.predicted_damping_Ns_per_m, 0, 1000,
+                           "Least damping of hand and handle together."},
+    thimble_controller_key{"predicted_stiffness_N_per_m", kByDefault.predicted_stiffness_N_per_m, 1, 1e6,
+                           "Stiffness of the fixture at the hand, before it is measured."},
+    thimble_controller_key{"predicted_margin", kByDefault.predicted_margin, 0, 1,
+                           "Part of the largest stable share that is used."}};
 
 thimble_controller predicted_share_table() {
     thimble_controller table =

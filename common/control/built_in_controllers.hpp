@@ -2,6 +2,8 @@
 // table in any case.
 #pragma once
 
+#include <algorithm>
+#include <iterator>
 #include <type_traits>
 
 #include "common/control/control_settings.hpp"
@@ -29,9 +31,12 @@ const thimble_controller& adaptive_fixture_controller();
 const thimble_controller& predicted_share_controller();
 const thimble_controller& four_channel_controller();
 
+inline constexpr BuiltInSettings kByDefault{};
 // A key that several have.
-inline constexpr thimble_controller_key kMostDamping{"most_damping_Ns_per_m", 250, 0, 10000,
-                                                     "The controller's most damping."};
+inline constexpr thimble_controller_key kMostDamping{"most_damping_Ns_per_m",
+                                                     kByDefault.most_damping_Ns_per_m, 0, 10000,
+                                                     "Most damping that the controller adds; below twice "
+                                                     "the moving mass divided by the sample period."};
 
 // A table without its functions.
 template <class Keys>
@@ -112,6 +117,16 @@ thimble_controller with_packets(thimble_controller table) {
         ControllerFunctions<End>::of(self).hear(*packet);
     };
     return table;
+}
+
+inline thimble_packet packet_of(const WaveBurst& burst) {
+    thimble_packet packet{};
+    std::copy(burst.wave_root_W.begin(), burst.wave_root_W.end(), std::begin(packet.value));
+    packet.sum = burst.sum_root_W_s;
+    packet.energy_J = burst.energy_J;
+    packet.number = burst.number;
+    packet.count = burst.count;
+    return packet;
 }
 
 inline double limited_N(double force_N, const thimble_controller_settings& settings) {

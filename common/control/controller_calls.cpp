@@ -14,18 +14,18 @@ void say(const char* text) {
     if (write(STDERR_FILENO, text, std::strlen(text)) < 0) return;
 }
 
-std::array<struct sigaction, 65> before{};  // by signal
+std::array<struct sigaction, 65> handlers_before{};  // by signal
 
 void on_crash(int number) {
-    const PluginPlace place = plugin_place();
+    const PluginPlace& place = plugin_place();
     if (place.file != nullptr) {
         say("plug-in ");
         say(place.file);
-        say(number == SIGXCPU ? ": did not come back from " : ": crashed in ");
+        say(number == SIGXCPU ? ": did not return from " : ": crashed in ");
         say(place.function);
         say("()\n");
     }
-    sigaction(number, &before.at(static_cast<std::size_t>(number)), nullptr);
+    sigaction(number, &handlers_before.at(static_cast<std::size_t>(number)), nullptr);
     std::raise(number);
 }
 
@@ -33,10 +33,15 @@ void on_crash(int number) {
 void watch(int number) {
     struct sigaction ours {};
     ours.sa_handler = on_crash;
-    sigaction(number, &ours, &before.at(static_cast<std::size_t>(number)));
+    sigaction(number, &ours, &handlers_before.at(static_cast<std::size_t>(number)));
 }
 
 }  // namespace
+
+// The program ends while it waits.
+void PluginPlace::wait_for_end() {
+    for (;;) pause();
+}
 
 PluginPlace& plugin_place() {
     static thread_local PluginPlace place;

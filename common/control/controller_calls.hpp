@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <exception>
 #include <string>
@@ -22,8 +23,24 @@ struct ControllerTally {
 
 // This thread is inside this function of this plug-in; null: in none. A crash is then the plug-in's.
 struct PluginPlace {
-    const char* file = nullptr;
-    const char* function = nullptr;
+    static constexpr std::uint64_t kGivenUp = ~std::uint64_t{0};
+    std::atomic<const char*> file = nullptr, function = nullptr;
+    // Each call has another number; 0: in none. Another thread (runtime/plugin_watch.hpp) sets kGivenUp.
+    std::atomic<std::uint64_t> call = 0;
+
+    void enter(const char* of, const char* name) {
+        file = of;
+        function = name;
+        call = ++calls_;
+    }
+    void leave() {
+        if (call.exchange(0) == kGivenUp) wait_for_end();
+        file = function = nullptr;
+    }
+
+  private:
+    [[noreturn]] static void wait_for_end();
+    std::uint64_t calls_ = 0;
 };
 PluginPlace& plugin_place();
 
@@ -63,10 +80,10 @@ class ControllerCalls {
       public:
         Inside(ControllerCalls& calls, const char* name)
             : calls_(calls), began_(calls.clock_ == nullptr ? SessionTime{} : calls.clock_()) {
-            plugin_place() = {calls.file_.c_str(), name};
+            plugin_place().enter(calls.file_.c_str(), name);
         }
         ~Inside() {
-            plugin_place() = {};
+            plugin_place().leave();
             if (calls_.clock_ != nullptr) calls_.spend(calls_.clock_() - began_);
         }
         Inside(const Inside&) = delete;

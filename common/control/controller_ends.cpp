@@ -3,23 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/codec_fields.hpp"
 #include "common/control/built_in_controllers.hpp"
 
 namespace thimble {
 namespace {
-
-// As common/codec_fields.hpp: a message beyond these is refused where it arrives.
-constexpr double kMostValue = 1e6, kMostSum = 1e12;
-
-thimble_packet packet_of(const WaveBurst& burst) {
-    thimble_packet packet{};
-    std::copy(burst.wave_root_W.begin(), burst.wave_root_W.end(), std::begin(packet.value));
-    packet.sum = burst.sum_root_W_s;
-    packet.energy_J = burst.energy_J;
-    packet.number = burst.number;
-    packet.count = burst.count;
-    return packet;
-}
 
 const thimble_controller& chosen(const ControlSettings& settings) {
     if (const thimble_controller* table = controller_of(settings)) return *table;
@@ -46,7 +34,7 @@ ControllerEnd::ControllerEnd(const ControlSettings& settings, const HandleContro
                              Create thimble_controller::*create, Destroy thimble_controller::*destroy)
     : table_(&chosen(settings)),
       calls_(settings.plugin.file, settings.clock),
-      self_(nullptr, table_->*destroy),
+      destroy_(table_->*destroy),
       sample_period_(scale.sample_period) {
     const std::vector<double> values = values_of(settings);
     const thimble_controller_settings given{to_seconds(scale.sample_period),
@@ -56,7 +44,7 @@ ControllerEnd::ControllerEnd(const ControlSettings& settings, const HandleContro
                                             static_cast<std::uint32_t>(values.size()),
                                             values.data(),
                                             settings.plugin.file.c_str()};
-    self_.reset(calls_("create", table_->*create, &given));
+    self_ = calls_("create", table_->*create, &given);
     if (self_ == nullptr)
         throw Error(ExitCode::kUsage, "[control] {}: create() refuses its settings",
                     settings.plugin.file.empty() ? table_->name : settings.plugin.file.c_str());
@@ -75,12 +63,13 @@ double ControllerEnd::finite_or(double value, double instead) {
     return instead;
 }
 
+// A message beyond these limits is refused where it arrives.
 WaveBurst ControllerEnd::sent(const thimble_packet& packet) {
     WaveBurst burst;
     for (std::size_t i = 0; i < burst.wave_root_W.size(); ++i)
-        burst.wave_root_W[i] = std::clamp(finite_or(packet.value[i], 0), -kMostValue, kMostValue);
-    burst.sum_root_W_s = std::clamp(finite_or(packet.sum, 0), -kMostSum, kMostSum);
-    burst.energy_J = std::clamp(finite_or(packet.energy_J, 0), 0.0, kMostSum);
+        burst.wave_root_W[i] = std::clamp(finite_or(packet.value[i], 0), kWave_root_W.low, kWave_root_W.high);
+    burst.sum_root_W_s = std::clamp(finite_or(packet.sum, 0), kWaveSum_root_W_s.low, kWaveSum_root_W_s.high);
+    burst.energy_J = std::clamp(finite_or(packet.energy_J, 0), kWaveEnergy_J.low, kWaveEnergy_J.high);
     burst.number = packet.number;
     burst.count = std::min(packet.count, std::uint32_t{WaveBurst::kMost});
     return burst;
@@ -128,7 +117,7 @@ void HandleEnd::forget() {
     call("forget", table_->forget);
 }
 
-double HandleEnd::force_N() { return finite_or(calls_("force", table_->force, self_.get(), &newest_), 0); }
+double HandleEnd::force_N() { return finite_or(calls_("force", table_->force, self_, &newest_), 0); }
 
 SlaveEnd::SlaveEnd(const ControlSettings& settings, const HandleControlScale& scale)
     : ControllerEnd(settings, scale, &thimble_controller::create_slave, &thimble_controller::destroy_slave) {}
@@ -141,13 +130,12 @@ std::uint32_t SlaveEnd::receive(const NeedleWave& message, bool newer) {
                                   newer ? 1U : 0U};
     const thimble_packet packet = packet_of(message.waves);
     position_hand_m_ = c.position_hand_m;
-    return std::min(calls_("receive_slave", table_->receive_slave, self_.get(), &command, &packet),
-                    kMostAtOnce);
+    return std::min(calls_("receive_slave", table_->receive_slave, self_, &command, &packet), kMostAtOnce);
 }
 
 double SlaveEnd::step_hand_m(const thimble_surroundings& surroundings) {
     ++tally_.samples;
-    return finite_or(calls_("step_slave", table_->step_slave, self_.get(), &surroundings), position_hand_m_);
+    return finite_or(calls_("step_slave", table_->step_slave, self_, &surroundings), position_hand_m_);
 }
 
 WaveBurst SlaveEnd::answer(const thimble_feedback& felt) {

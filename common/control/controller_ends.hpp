@@ -2,7 +2,7 @@
 // (<thimble/controller.h>) and keep what it gives within its limits.
 #pragma once
 
-#include <memory>
+#include <boost/core/noncopyable.hpp>
 
 #include "common/control/control_settings.hpp"
 #include "common/control/controller.h"
@@ -22,7 +22,7 @@ struct HandleControlScale {
 // In the hand's frame: what the needle felt, and how old that is.
 thimble_feedback feedback_of(const ForceFeedback& feedback, const HandleControlScale& scale, double age_s);
 
-class ControllerEnd {
+class ControllerEnd : boost::noncopyable {
   public:
     const thimble_controller& table() const { return *table_; }
     bool has(std::uint32_t capability) const { return (table_->capabilities & capability) != 0; }
@@ -35,18 +35,25 @@ class ControllerEnd {
     // Throws Error (usage) if `create` refuses.
     ControllerEnd(const ControlSettings& settings, const HandleControlScale& scale,
                   Create thimble_controller::*create, Destroy thimble_controller::*destroy);
+    ~ControllerEnd() {
+        try {
+            calls_("destroy", destroy_, self_);
+        } catch (const Error&) {  // all else goes on: this plug-in is not called again
+        }
+    }
 
     // Calls a function that the table may lack.
     template <class... Takes, class... Gives>
     void call(const char* name, void (*function)(void*, Takes...), Gives... gives) {
-        if (function != nullptr) calls_(name, function, self_.get(), gives...);
+        if (function != nullptr) calls_(name, function, self_, gives...);
     }
     double finite_or(double value, double instead);
     WaveBurst sent(const thimble_packet& packet);
 
     const thimble_controller* table_;
     ControllerCalls calls_;
-    std::unique_ptr<void, Destroy> self_;
+    Destroy destroy_;
+    void* self_ = nullptr;
     ControllerTally tally_;
     Duration sample_period_;
 };

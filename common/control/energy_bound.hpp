@@ -1,12 +1,16 @@
-// Force bounds that keep a handle with some damping of its own passive, whatever force is wished for and however late it
-// comes. Over the next sample the worst that can happen is F Dx + b_d Dx^2 / h >= -F^2 h / (4 b_d). Hence, with c = 2 b_d / h:
+// Force bounds that keep a handle with some damping of its own passive, for any wanted force and any delay. Over the
+// next sample the worst case is F Dx + b_d Dx^2 / h >= -F^2 h / (4 b_d). Hence, with c = 2 b_d / h:
 //
 //     memoryless          |F_k| <= |F_{k-1} + c Dx_k|              stores F^2 / 2c; contains Colgate's K <= 2 b_d / h
 //     least conservative  E_k = E_{k-1} + F_{k-1} Dx_k + b_d Dx_k^2 / h,   |F_k| <= sqrt(4 b_d E_k / h)
 //
-// Both keep  sum F Dx + b_d sum Dx^2 / h >= 0  for ever. (Energy bounding: Kim and Ryu 2010; derivation: docs/compensators.md.) The
-// price is softness. Without device damping there is no force. With samples later than h the bound may be passed by what F
-// did in the excess time; the least conservative form then gives no force until that is made good.
+// Both keep  sum F Dx + b_d sum Dx^2 / h >= 0  for ever (energy bounding: Kim and Ryu 2010). The completed square:
+//
+//     F Dx + b_d Dx^2 / h = (F + c Dx)^2 / 2c - F^2 / 2c
+//
+// If the store covers F^2 / 2c, then E_{k+1} >= (F_k + c Dx)^2 / 2c >= 0; the memoryless bound keeps that much for F_{k+1}.
+// The price is softness. Without device damping there is no force. If a sample is later than h, the force of the excess
+// time may break the bound. The least conservative form then gives no force until the store has recovered.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +34,7 @@ class MemorylessBound final : public PortCompensator {
             reach_N_ = std::fabs(force_N + c * travel_hand_m);
             return;
         }
-        // The same stored energy, with the damping of a longer period.
+        // Keeps the stored energy while the damping term changes to that of a longer period.
         const double squared = force_N * force_N + 2 * c * force_N * travel_hand_m +
                                c * c * travel_hand_m * travel_hand_m * h_s / period_s;
         reach_N_ = std::sqrt(std::max(0.0, squared));
@@ -51,7 +55,7 @@ class EnergyStore {
         energy_J_ += force_N * travel_hand_m +
                      settings_.device_damping_Ns_per_m * travel_hand_m * travel_hand_m / period_s;
     }
-    // Of a sample that is missing the worst is assumed, which the bound allows to be all there was.
+    // A missing sample empties the store: the worst case that the bound allows.
     void lose() { energy_J_ = energy_J_ < 0 ? energy_J_ : 0; }
     double energy_J() const { return energy_J_; }
     double bounded_N(double wanted_N) const {
@@ -82,8 +86,8 @@ class LeastConservativeBound final : public PortCompensator {
     EnergyStore store_;
 };
 
-// Transparency above, passivity below: a store that gives no more than it has, and a damper that fills it while it is low
-// (in the manner of Franken, Stramigioli, Misra, Secchi and Macchelli 2011).
+// Two layers: transparency above, passivity below. The store gives no more energy than it has, and a damper fills it
+// while it is low (Franken, Stramigioli, Misra, Secchi and Macchelli 2011).
 //     E_k   as in energy_bound.hpp
 //     F_TLC = d_c (H - E_k) / H v_k   for E_k < H, else 0
 //     F_k   = F_wanted + F_TLC, within +-sqrt(4 b_d E_k / h)

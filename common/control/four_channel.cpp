@@ -9,8 +9,9 @@
 //
 // The master renders a spring of its own where pairs (x_s, F) of the slave say the fixture is (local_fixture.hpp). Tissue acts as it comes.
 //
-// The needle leaves the hand by (F_m - F_e) / k at most, 1 mm for 20 N at the default. Not passive: K h / 2 of the local spring must be below
-// the hand's damping, as with local-fixture. F positive pushes the hand out. SI units, frame: hand.
+// The needle leaves the hand by (F_m - F_e) / k at most, 1 mm for 20 N at the default. Not passive: K h / 2 of the
+// local spring must be below the hand's damping, as with local-fixture. F positive pushes the hand out. SI units,
+// frame: hand.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -63,8 +64,9 @@ class FourChannelSlave {
 
 constexpr std::array kFourChannelKeys{
     kLocalFixtureKeys[0], kLocalFixtureKeys[1], kLocalFixtureKeys[2], kLocalFixtureKeys[3],
-    thimble_controller_key{"coupling_N_per_m", 20000, 100, 1e6,
-                           "How far the needle leaves the hand for a difference of their forces."}};
+    thimble_controller_key{"coupling_N_per_m", kByDefault.coupling_N_per_m, 100, 1e6,
+                           "Stiffness between hand and needle: their distance is the difference of their "
+                           "forces divided by it."}};
 
 }  // namespace
 

@@ -1,14 +1,14 @@
-// Model-mediated: what travels is not the force but what it says about the fixture. The handle renders a spring of its own, at
-// once, where the feedback says the fixture is (in the manner of Hannaford 1989; Mitra and Niemeyer 2008).
+// Model-mediated: the feedback tells where the fixture is, and the handle renders a spring of its own there, without
+// delay (in the manner of Hannaford 1989; Mitra and Niemeyer 2008).
 //
-// Estimator: pairs (x, F) of the same instant come back, whatever the delay, and in contact F = K (x - z). K and z by least
-// squares with exponential forgetting of `memory` pairs:
+// Estimator: pairs (x, F) of the same instant come back, whatever the delay, and in contact F = K (x - z). K and z by
+// least squares with exponential forgetting of `memory` pairs:
 //     K = cov(x, F) / var(x) within [1, stiffest],   z = mean x - mean F / K
-// As long as the pairs span less than `span` K stays where it was, stiffness_N_per_m at first. The first contact is felt one
-// delay late; the rendered plane then starts at the hand and moves to its estimate no faster than shift_m_per_s, so that no
-// estimate, however wrong, throws the hand: it gives at most force limit x shift_m_per_s of power. Not passive beyond that:
-// K h / 2 must be below the hand's damping. Pairs beyond the plane without force take it away again.
-// SI units, frame: hand; F positive pushes the hand out.
+// While the pairs span less than `span`, K stays as it was; it starts at stiffness_N_per_m. The first contact is felt
+// one delay late. The rendered plane then starts at the hand and moves to its estimate by at most shift_m_per_s. So a
+// wrong estimate gives at most force limit x shift_m_per_s of power. Beyond that it is not passive: K h / 2 must be
+// below the hand's damping. Pairs beyond the plane without force remove the plane. SI units, frame: hand; F positive
+// pushes the hand out.
 #pragma once
 
 #include <algorithm>
@@ -55,7 +55,7 @@ class LocalFixture {
         known_ = true;
     }
 
-    // The spring's force with the hand here; once per sample.
+    // The spring's force for this position of the hand; call it once per sample.
     double force_N(double position_hand_m) {
         if (!known_ || !std::isfinite(position_hand_m)) return 0;
         const double step_m = settings_.shift_m_per_s * settings_.sample_period_s;
@@ -71,7 +71,6 @@ class LocalFixture {
     bool known() const { return known_; }
     double stiffness_N_per_m() const { return stiffness_N_per_m_; }
     double position_m() const { return position_m_; }  // estimated
-    double rendered_m() const { return rendered_m_; }  // where the plane is on its way there
 
   private:
     struct Means {

@@ -11,11 +11,14 @@ namespace thimble {
 
 // The first keys of such a controller.
 inline constexpr std::array kLocalFixtureKeys{
-    thimble_controller_key{"local_stiffness_N_per_m", 3000, 1, 1e6, "At the hand, before it is learnt."},
-    thimble_controller_key{"local_stiffest_N_per_m", 9000, 1, 1e6, "Never stiffer."},
-    thimble_controller_key{"local_memory_samples", 200, 1, 1e6,
-                           "Samples after which a contact is forgotten."},
-    thimble_controller_key{"local_shift_m_per_s", 0.02, 1e-4, 10, "How fast the plane may move."}};
+    thimble_controller_key{"local_stiffness_N_per_m", kByDefault.local.stiffness_N_per_m, 1, 1e6,
+                           "Stiffness of the local fixture at the hand, before it is measured."},
+    thimble_controller_key{"local_stiffest_N_per_m", kByDefault.local.stiffest_N_per_m, 1, 1e6,
+                           "Upper limit of the stiffness; at least local_stiffness_N_per_m."},
+    thimble_controller_key{"local_memory_samples", kByDefault.local.memory, 1, 1e6,
+                           "Number of samples after which a contact is forgotten."},
+    thimble_controller_key{"local_shift_m_per_s", kByDefault.local.shift_m_per_s, 1e-4, 10,
+                           "Upper limit for the speed of the local plane."}};
 
 inline LocalFixtureSettings local_fixture_of(const thimble_controller_settings& s) {
     LocalFixtureSettings local;

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "common/control/built_in_controllers.hpp"
+#include "common/control/control_settings.hpp"
 #include "common/control/energy_bound.hpp"
 #include "common/control/local_fixture_end.hpp"
 #include "common/control/passivity_controller.hpp"
-#include "common/control/scaled_force.hpp"
 
 namespace thimble {
 namespace {
@@ -35,7 +35,7 @@ class PortEnd {
     void sample(const thimble_handle& handle, thimble_packet& /*out*/) {
         port_.observe(handle.elapsed_s, handle.position_hand_m, handle.force_hand_N);
     }
-    // Saturated before the compensator: what is wished for beyond the limit cannot be had.
+    // Saturates before the compensator: it must not store energy for a force beyond the limit.
     double force_N(const thimble_feedback& newest) {
         return port_.force_N(limited_N(newest.force_total_hand_N, settings_));
     }
@@ -54,16 +54,18 @@ class PortEnd {
     Port port_;
 };
 
-constexpr thimble_controller_key kDeviceDamping{"device_damping_Ns_per_m", 0.5, 0, 50,
-                                                "Damping that the handle is certain to have."};
+constexpr thimble_controller_key kDeviceDamping{"device_damping_Ns_per_m", kByDefault.device_damping_Ns_per_m,
+                                                0, 50, "Least damping of the handle."};
 constexpr std::array kScaledKeys{thimble_controller_key{
-    "share", 0.05, 0, 1, "Of the force, for the hand. The rest is pressed on the finger."}};
+    "share", kByDefault.share, 0, 1, "Share of the force for the hand. The rest is pressed on the finger."}};
 constexpr std::array kPassivityKeys{kMostDamping};
 constexpr std::array kBoundKeys{kDeviceDamping};
 constexpr std::array kTankKeys{
     kDeviceDamping,
-    thimble_controller_key{"tank_level_J", 0.05, 1e-6, 10, "Energy that the tank aims to hold."},
-    thimble_controller_key{"tank_damping_Ns_per_m", 10, 0, 1000, "Damping that fills the tank."}};
+    thimble_controller_key{"tank_level_J", kByDefault.tank.level_J, 1e-6, 10,
+                           "Energy that the tank should hold."},
+    thimble_controller_key{"tank_damping_Ns_per_m", kByDefault.tank.damping_Ns_per_m, 0, 1000,
+                           "Damping that fills the tank."}};
 
 }  // namespace
 

@@ -1,12 +1,10 @@
-#include "common/control/plugin.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <dlfcn.h>
 #include <set>
 
+#include "common/control/control_settings.hpp"
 #include "common/control/controller_calls.hpp"
-#include "common/control/python_controller.hpp"
 #include "common/error.hpp"
 
 namespace thimble {
@@ -25,18 +23,18 @@ std::string wrong_key(const thimble_controller_key& key) {
 
 std::string wrong_keys(const thimble_controller& table) {
     if (table.key_count > kMostKeys || (table.key_count > 0 && table.keys == nullptr))
-        return fmt::format("it says that it has {} keys, of {} at most", table.key_count, kMostKeys);
+        return fmt::format("it claims {} keys; at most {} are allowed", table.key_count, kMostKeys);
     std::set<std::string_view> names;
     for (const thimble_controller_key& key : std::span(table.keys, table.key_count)) {
         if (std::string wrong = wrong_key(key); !wrong.empty()) return wrong;
-        if (!names.insert(key.name).second) return fmt::format("it has key {} twice", key.name);
+        if (!names.insert(key.name).second) return fmt::format("key {} appears twice", key.name);
     }
     return {};
 }
 
 #ifdef __EMSCRIPTEN__
 const thimble_controller* table_of(const std::filesystem::path& file) {
-    throw Error(ExitCode::kUsage, "plug-in {}: a browser loads none", file.string());
+    throw Error(ExitCode::kUsage, "plug-in {}: the page in a browser cannot load plug-ins", file.string());
 }
 #else
 const thimble_controller* table_of(const std::filesystem::path& file) {
@@ -84,7 +82,7 @@ PluginSettings load_plugin(const std::filesystem::path& file) {
     plugin.file = file.string();
     plugin.table = table_of(file);
     if (plugin.table == nullptr)
-        throw Error(ExitCode::kUsage, "plug-in {}: {}() gives no table", file.string(), kSymbol);
+        throw Error(ExitCode::kUsage, "plug-in {}: {}() returns no table", file.string(), kSymbol);
     if (const std::string wrong = wrong_table(*plugin.table); !wrong.empty())
         throw Error(ExitCode::kUsage, "plug-in {}: {}", file.string(), wrong);
     const std::span keys(plugin.table->keys, plugin.table->key_count);

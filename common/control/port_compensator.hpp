@@ -30,9 +30,9 @@ class PortCompensator : boost::noncopyable {
         clear();
     }
 
-    // elapsed_s since the sample before. A late sample is credited with no more damping than it can have had. One that is
-    // not a number, or comes at no later time, is refused: until the next good one the force is zero, and nothing that
-    // happened meanwhile counts in favour of the compensator.
+    // elapsed_s: since the previous sample. A late sample is credited with no more damping than it can have had. A
+    // sample that is not a number, or not later than the previous one, is refused. The force is zero until the next
+    // good one, and that gap adds no stored energy.
     void observe(double elapsed_s, double position_hand_m, double force_held_N) {
         const bool timely = !placed_ || (std::isfinite(elapsed_s) && elapsed_s > 0);
         if (!timely || !std::isfinite(position_hand_m) || !std::isfinite(force_held_N)) {

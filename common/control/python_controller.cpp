@@ -1,5 +1,3 @@
-#include "common/control/python_controller.hpp"
-
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -17,6 +15,7 @@
 #include <vector>
 
 #include "common/control/built_in_controllers.hpp"
+#include "common/control/control_settings.hpp"
 #include "common/error.hpp"
 #include "common/text_file.hpp"
 
@@ -117,7 +116,7 @@ class PythonChild {
 
   private:
     [[noreturn]] static void fail() {
-        throw Error(ExitCode::kRunFailed, "its Python program has ended: see what it wrote");
+        throw Error(ExitCode::kRunFailed, "its Python program has ended: see its messages above");
     }
 
     std::optional<FileDescriptor> ours_;
@@ -168,7 +167,7 @@ double number(const std::string& file, std::string_view text) {
     char* end = nullptr;
     const double value = std::strtod(copy.c_str(), &end);
     if (end != copy.c_str() && *end == '\0') return value;
-    throw Error(ExitCode::kUsage, "plug-in {}: '{}' among its KEYS is no number", file, copy);
+    throw Error(ExitCode::kUsage, "plug-in {}: '{}' in its KEYS is not a number", file, copy);
 }
 
 // The name, then a line for each key: name, default, least, most, help, with tabs between.
@@ -212,10 +211,10 @@ const thimble_controller* python_controller(const std::filesystem::path& file) {
     python.file = file.string();
     std::string text;
     if (!PythonChild(python.file, "--describe").take_all(text))
-        throw Error(ExitCode::kUsage,
-                    "plug-in {}: it does not describe itself within {} s: call serve() first "
-                    "(examples/controller)",
-                    python.file, kMostSecondsToDescribe);
+        throw Error(
+            ExitCode::kUsage,
+            "plug-in {}: it does not describe itself within {} s: call serve() first (examples/controller)",
+            python.file, kMostSecondsToDescribe);
     describe(text, python);
     const std::lock_guard lock(mutex);
     PythonTable& kept = known.emplace_back(std::move(python));

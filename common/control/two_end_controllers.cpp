@@ -10,7 +10,8 @@
 namespace thimble {
 namespace {
 
-// Of two-port passivity, per sample, at the hand: a force that has nearly gone must not throw the proxy.
+// The most that two-port passivity moves the proxy in a sample, at the hand: a small force would otherwise need a
+// large step.
 constexpr double kMostCorrection_m = 1e-3;
 
 enum WaveKey { kImpedance, kSlaveDamping, kReconstruction, kRepeats, kJitter };
@@ -23,14 +24,6 @@ WaveBurst burst_of(const thimble_packet& packet) {
     burst.number = packet.number;
     burst.count = packet.count;
     return burst;
-}
-
-void write(const WaveBurst& burst, thimble_packet& packet) {
-    std::copy(burst.wave_root_W.begin(), burst.wave_root_W.end(), std::begin(packet.value));
-    packet.sum = burst.sum_root_W_s;
-    packet.energy_J = burst.energy_J;
-    packet.number = burst.number;
-    packet.count = burst.count;
 }
 
 WaveChannelSettings channel_of(const thimble_controller_settings& s) {
@@ -61,7 +54,7 @@ class WaveHandle {
     void sample(const thimble_handle& handle, thimble_packet& out) {
         const WaveBurst& burst = sender_.add(master_.wave_out(handle.position_hand_m, handle.force_hand_N));
         in_root_W_ = receiver_.play(burst.number);
-        write(burst, out);
+        out = packet_of(burst);
     }
     void hear(const thimble_packet& packet) { receiver_.receive(burst_of(packet)); }
     double force_N(const thimble_feedback& /*newest*/) const { return master_.force_N(in_root_W_); }
@@ -94,7 +87,9 @@ class WaveSlaveEnd {
     double step_m(const thimble_surroundings& s) {
         return end_.step_m({s.plane_hand_m, s.stiffness_hand_N_per_m}, s.other_force_hand_N);
     }
-    void answer(const thimble_feedback& /*felt*/, thimble_packet& out) const { write(end_.burst(), out); }
+    void answer(const thimble_feedback& /*felt*/, thimble_packet& out) const {
+        out = packet_of(end_.burst());
+    }
     void hold() {}
 
   private:
@@ -154,12 +149,16 @@ class TwoPortSlaveEnd {
 };
 
 constexpr std::array kWaveKeys{
-    thimble_controller_key{"wave_impedance_Ns_per_m", 20, 0.1, 1000, "Impedance b of the waves."},
-    thimble_controller_key{"wave_slave_damping_Ns_per_m", 20, 0, 1000, "The slave's own damper."},
-    thimble_controller_key{"wave_reconstruction", 0, 0, 3, "Which of kWaveReconstructionNames."},
-    thimble_controller_key{"wave_repeats", 3, 0, 7, "Earlier waves that each packet repeats."},
-    thimble_controller_key{"wave_jitter_s", 2e-3, 0, 1,
-                           "How much longer than the network the play-out waits."}};
+    thimble_controller_key{"wave_impedance_Ns_per_m", kByDefault.wave_impedance_Ns_per_m, 0.1, 1000,
+                           "Impedance b of the wave variables."},
+    thimble_controller_key{"wave_slave_damping_Ns_per_m", kByDefault.wave_slave_damping_Ns_per_m, 0, 1000,
+                           "Damping of the slave."},
+    thimble_controller_key{"wave_reconstruction", static_cast<double>(kByDefault.channel.reconstruction), 0,
+                           3, "Replacement for waves that are lost or late."},
+    thimble_controller_key{"wave_repeats", double{kByDefault.channel.repeats}, 0,
+                           double{WaveBurst::kMost - 1}, "Number of earlier waves that each packet repeats."},
+    thimble_controller_key{"wave_jitter_s", to_seconds(kByDefault.jitter), 0, 1,
+                           "Extra time of the play-out buffer, beyond the network's delay."}};
 constexpr std::array kTwoPortKeys{kMostDamping};
 
 thimble_controller wave_table() {

@@ -1,15 +1,16 @@
-// Time-domain passivity of a network with two ends, energies split by direction (Ryu, Artigas and Preusche 2010; Artigas et
-// al. 2011). Each end counts what flows in at it and what flows out; what came in is told to the other end, which may let out no
-// more than that. Told values only grow, so the newest one stands for those that were lost or came late.
+// Time-domain passivity of a network with two ends, energies split by direction (Ryu, Artigas and Preusche 2010;
+// Artigas et al. 2011). Each end counts energy that flows in and out there. It reports the inflow to the other end,
+// which may give out no more than that. Reported values only grow, so the newest replaces lost and late ones.
 //
 //     master  dE = F_{k-1} Dx_k without the controller's part: in if > 0, else out.   O = E_in^S(heard) - E_out^M + E_PC^M;
 //             O < 0: F_k = F + a v_k,  a = min(-O / (v_k^2 h), a_max),  E_PC^M += a v_k Dx_{k+1}, what it really took
 //     slave   dE = F_{k-1} Dx_k: out if > 0, else in.         O = E_in^M(heard) - E_out^S + E_PC^S;   O < 0: the proxy goes back
 //             by beta F h = -O / F_{k-1},  E_PC^S -= O
 //
-// For comparison only. The slave's controller moves the proxy and nothing moves it back: it drifts out of a forbidden region
-// while the hand is inside, and the force is gone (docs/compensators.md). F positive pushes the hand out. SI units, frame: hand.
-// A reading that is not a number is no sample at the master; the slave hears of none, messages are refused before (common/codec.hpp).
+// For comparison only. The slave's controller moves the proxy and nothing moves it back. It drifts out of a forbidden
+// region while the hand is inside, and the force is gone (docs/compensators.md). F positive pushes the hand out. SI
+// units, frame: hand. A reading that is not a number is no sample at the master. Such messages are refused before
+// they reach the slave (common/codec.hpp).
 #pragma once
 
 #include <algorithm>

@@ -28,8 +28,8 @@ class WaveEnd {
         placed_ = astray_ = false;
     }
 
-    // What a message brings; how many samples are to be stepped because of it. After more than kMostAtOnce missing ones
-    // the older are left out, as if the slave had paused.
+    // Takes a message and returns how many samples to step. After more than kMostAtOnce missing samples the older
+    // ones are skipped, as after a pause.
     std::uint32_t receive(double position_hand_m, const WaveBurst& waves) {
         receiver_.receive(waves);
         position_hand_m_ = position_hand_m;
@@ -46,8 +46,8 @@ class WaveEnd {
         return waves.number - next_ + 1;
     }
 
-    // The plane (stiffness 0: none), and any other force on the hand as it was at the sample before. Where the needle is then, in
-    // the hand's frame.
+    // Steps one sample: the plane (stiffness 0: none) and the other forces on the hand of the previous sample.
+    // Returns the needle's place in the frame of the hand.
     double step_m(const WaveWall& plane, double other_hand_N) {
         const std::uint64_t missing = receiver_.missing();
         const double wave_root_W = receiver_.play(next_);
@@ -63,8 +63,8 @@ class WaveEnd {
     static constexpr std::uint32_t kMostAtOnce = 64;
 
   private:
-    // Lost waves leave the needle elsewhere than the hand. Before the plane nothing is stored but what tissue does over the
-    // gap: there it may go back, by 0.1 mm of hand at a time.
+    // Lost waves leave needle and hand apart. In front of the plane no elastic energy is stored, so there the needle
+    // may return by 0.1 mm of hand motion per sample.
     void rejoin(double plane_hand_m) {
         if (std::max(slave_.position_m(), position_hand_m_) >= plane_hand_m) return;
         const double away_m = position_hand_m_ - slave_.position_m();
@@ -72,7 +72,7 @@ class WaveEnd {
         astray_ = std::fabs(away_m) > kRejoinStep_m;
     }
 
-    // The master counts by its own samples: what answers number n is number n.
+    // Keeps the numbers of both ends equal: the answer to sample n has number n.
     void skip_to(std::uint32_t number) {
         next_ = number;
         sender_.skip_to(number);

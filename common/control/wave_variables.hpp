@@ -1,13 +1,15 @@
-// Wave variables (Niemeyer and Slotine 1991): instead of position and force, u and w travel. A channel that delivers each wave at most once gives out no more energy, sum of u^2 h / 2, than it got, with any delay.
+// Wave variables (Niemeyer and Slotine 1991): u and w travel instead of position and force. A channel that delivers
+// each wave at most once gives out no more energy, sum of u^2 h / 2, than it got, with any delay.
 //
 //     master   F_k = b v_k - sqrt(2b) w_k,  v_k = Dx_k / h;     at k + 1 it sends u = (b v_{k+1} + F_k) / sqrt(2b)
 //     slave    x_free = x + sqrt(2b) u h / b,  x = x_free - F h / b,  w = u - sqrt(2/b) F,  with F implicitly that of a wall K,
 //              a damper, and whatever else pushes:  F = K (x - wall)^+ + b_s (x - x_{k-1}) / h + F_other
 //
-// The slave's end is lossless: F (x_k - x_{k-1}) = h (u^2 - w^2) / 2 whatever F is. The held force of the master leaks a little
-// (0.05 mJ at most in the standard approach of docs/compensators.md). Held against the wall with force F at a delay T there and
-// back together, the hand is F (T + h) / (2b) further than the slave: the price. b: wave impedance, Ns/m; 10 to 50 suits a
-// hand, and b < 2 m / h, or the held damper chatters. F positive pushes the hand out. SI units, frame: hand.
+// The slave's end is lossless: F (x_k - x_{k-1}) = h (u^2 - w^2) / 2 whatever F is. The held force of the master
+// leaks a little (0.05 mJ at most in the standard approach of docs/compensators.md). The price of waves is distance:
+// at a wall with force F and a round-trip delay T, the hand stands F (T + h) / (2b) further than the slave.
+// The wave impedance b is in Ns/m. A hand needs 10 to 50. From b = 2 m / h on, the held damper chatters.
+// A positive F pushes the hand out. SI units, frame: hand.
 #pragma once
 
 #include <algorithm>
@@ -45,7 +47,8 @@ class WaveMaster {
         : settings_(checked(settings)), root_2b_(std::sqrt(2 * settings.impedance_Ns_per_m)) {}
     void reset() { *this = WaveMaster(settings_); }
 
-    // Where the hand is, and the force that was held on the way there. Returns the wave to send. A value that is no number counts as no motion and no force.
+    // Where the hand is, and the force that was held on the way there. Returns the wave to send. A value that is no
+    // number counts as no motion and no force.
     double wave_out(double position_hand_m, double force_held_N) {
         if (!std::isfinite(position_hand_m)) position_hand_m = position_hand_m_;
         if (!std::isfinite(force_held_N)) force_held_N = 0;

@@ -1,14 +1,11 @@
 #include "common/csv/csv.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <fstream>
 #include <limits>
 #include <utility>
 
 #include <fmt/ranges.h>
 
-#include "common/csv/spreadsheet.hpp"
 #include "common/decimal_text.hpp"
 #include "common/error.hpp"
 #include "common/text_file.hpp"
@@ -16,23 +13,7 @@
 namespace thimble {
 namespace {
 
-std::string read_whole(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::error_code unknown;
-    if (std::filesystem::is_directory(file, unknown))  // opens as a stream, too, as an empty one
-        throw Error(ExitCode::kData, "{}: is a folder, and a table is meant: name the file", file.string());
-    if (!in) {
-        throw Error(ExitCode::kData, "{}: cannot be read; check that the file exists and is yours to read",
-                    file.string());
-    }
-    return read_to_end(in, file);
-}
-
-bool parse(std::string_view text, std::uint64_t& value) {
-    const char* const end = text.data() + text.size();
-    const auto [rest, error] = std::from_chars(text.data(), end, value);
-    return error == std::errc{} && rest == end;
-}
+constexpr std::size_t kMostBytes = std::numeric_limits<std::size_t>::max() - 1;
 
 }  // namespace
 
@@ -44,9 +25,9 @@ double CsvField::number() const {
 }
 
 std::uint64_t CsvField::integer(std::uint64_t max) const {
-    std::uint64_t value = 0;
-    if (!parse(text, value) || value > max) fail(fmt::format("is not a whole number from 0 to {}", max));
-    return value;
+    const auto value = parse_whole<std::uint64_t>(text);
+    if (!value || *value > max) fail(fmt::format("is not a whole number from 0 to {}", max));
+    return *value;
 }
 
 std::uint32_t CsvField::whole() const {
@@ -68,7 +49,7 @@ CsvReader::CsvReader(std::filesystem::path file, std::span<const std::string_vie
     : file_(std::move(file)),
       columns_(columns),
       separator_(separator),
-      text_(plain_table(read_whole(file_), file_.string(), separator,
+      text_(plain_table(read_whole_file(file_, kMostBytes), file_.string(), separator,
                         last == LastLine::kWhole ? Semicolons::kTake : Semicolons::kRefuse)) {
     if (last == LastLine::kMayBeTorn) {
         if (ends_within_header()) {
@@ -102,9 +83,8 @@ bool CsvReader::next() {
         }
         split(line);
         if (fields_.size() != there_) {
-            fail(fmt::format(
-                "has {} fields instead of {} (column '{}' is the last that is there); delete this line",
-                fields_.size(), there_, columns_[std::min(fields_.size(), there_) - 1]));
+            fail(fmt::format("has {} fields instead of {} (column '{}' is the last one); delete this line",
+                             fields_.size(), there_, columns_[std::min(fields_.size(), there_) - 1]));
         }
         return true;
     }

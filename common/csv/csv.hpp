@@ -1,6 +1,6 @@
 // The project's own CSV and TSV files, read strictly: a header line of known columns, then lines of plain
 // fields (no quoting is needed, no field holds the separator), comment lines from '#'. Errors name line and column. They may have
-// gone through a spreadsheet (spreadsheet.hpp), with semicolons only where no line will be added (LastLine::kWhole).
+// gone through a spreadsheet (plain_table), with semicolons only where no line will be added (LastLine::kWhole).
 #pragma once
 
 #include <cstdint>
@@ -70,5 +70,14 @@ template <class Out>
 Out write_number(Out out, double value) {
     return value != value ? out : fmt::format_to(out, "{}", value);
 }
+
+// Tables that went through a spreadsheet: a byte order mark, CR LF, semicolons between fields and decimal commas in numbers.
+enum class Semicolons { kRefuse, kTake };
+
+// The text as the readers of tables take it, line for line: no byte order mark, LF alone, and `separator` where the header has
+// semicolons instead. There, decimal commas become points. Throws Error (data) that names file and line: UTF-16, a comma that is
+// no decimal comma, decimal commas beside decimal points, or semicolons that are to be refused.
+std::string plain_table(std::string text, std::string_view name, char separator = ',',
+                        Semicolons semicolons = Semicolons::kTake);
 
 }  // namespace thimble

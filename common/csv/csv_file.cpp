@@ -48,7 +48,7 @@ int open_unused(const std::filesystem::path& path, std::string_view header) {
     return -1;
 }
 
-// Streams need no place.
+// Streams such as pipes have no path that could vanish.
 bool has_a_place(std::FILE* file) {
     struct stat status {};
     return ::fstat(::fileno(file), &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink > 0;
@@ -65,14 +65,14 @@ CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists, std::str
     if (descriptor < 0 && errno == EEXIST && !header.empty()) descriptor = open_unused(path, header);
     if (descriptor < 0 && errno == EEXIST) {
         throw Error(ExitCode::kUsage,
-                    "{}: already exists and is not overwritten; name another folder, or say --overwrite",
+                    "{}: already exists and is not overwritten; name another folder, or add --overwrite",
                     path.string());
     }
     if (descriptor < 0) fail_to_create(path, errno);
     // Pipes, and some disks of other machines, have no locks.
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         ::close(descriptor);
-        throw Error(ExitCode::kUsage, "{}: another program writes this file now; name another folder",
+        throw Error(ExitCode::kUsage, "{}: another program is writing this file; name another folder",
                     path.string());
     }
     if (if_exists == IfExists::kReplace) static_cast<void>(::ftruncate(descriptor, 0) == 0);
@@ -93,8 +93,7 @@ void CsvFile::flush() {
     if (!had_a_place_ || has_a_place(file_.get())) return;
     file_.reset();
     throw Error(ExitCode::kRunFailed,
-                "{}: was deleted while it was written; start anew, and leave the folder where it is",
-                path_.string());
+                "{}: was deleted during the run; start again, and leave the folder in place", path_.string());
 }
 
 void CsvFile::sync() {
@@ -106,7 +105,7 @@ void CsvFile::sync() {
 void CsvFile::require_open() const {
     if (file_) return;
     throw Error(ExitCode::kRunFailed,
-                "{}: is no longer written, because a part of it could not be; check the disk's free space",
+                "{}: could not be written completely, so writing has stopped; check the disk's free space",
                 path_.string());
 }
 
@@ -130,7 +129,7 @@ void keep_lines(const std::filesystem::path& path, std::size_t lines) {
     std::error_code failure;
     if (kept < std::filesystem::file_size(path, failure)) std::filesystem::resize_file(path, kept, failure);
     if (failure) {
-        throw Error(ExitCode::kRunFailed, "{}: cannot be cut back to its whole lines: {}", path.string(),
+        throw Error(ExitCode::kRunFailed, "{}: cannot remove the incomplete last line: {}", path.string(),
                     failure.message());
     }
 }

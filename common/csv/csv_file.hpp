@@ -17,8 +17,8 @@ class CsvFile {
     CsvFile(const std::filesystem::path& path, IfExists if_exists, std::string_view header = {});
 
     bool is_new() const { return is_new_; }  // nothing in it yet: it needs a header
-    // These throw Error (run failed), e.g. on a full disk; flush() and sync() also if the file was deleted. Later calls throw too: the file may end in half a line, and another
-    // write could repeat text.
+    // These throw Error (run failed), e.g. on a full disk; flush() and sync() also if the file was deleted. Later
+    // calls throw too: the file may end in half a line, and another write could repeat text.
     void write(std::string_view text);
     void flush();  // hands the bytes to the kernel
     void sync();   // returns when the bytes are on the disk

@@ -1,5 +1,3 @@
-#include "common/csv/spreadsheet.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
@@ -7,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "common/csv/csv.hpp"
 #include "common/decimal_text.hpp"
 #include "common/error.hpp"
 #include "common/text_file.hpp"
@@ -91,19 +90,17 @@ class Rewriter {
         if (text.find(',') != std::string::npos) {
             std::replace(text.begin(), text.end(), ',', '.');
             if (has_point || !is_number(text))
-                fail(
-                    fmt::format("'{}' has a comma, which is no decimal comma: fields are separated by "
-                                "semicolons here",
-                                field));
+                fail(fmt::format(
+                    "'{}' has a comma, but not as a decimal comma: fields are separated by semicolons here",
+                    field));
             comma_line_ = line_;
         } else if (has_point && is_number(text)) {
             point_line_ = line_;
         }
         if (comma_line_ > 0 && point_line_ > 0)
-            fail(
-                fmt::format("'{}': line {} has a decimal comma and line {} a decimal point: write all "
-                            "numbers alike",
-                            field, comma_line_, point_line_));
+            fail(fmt::format(
+                "'{}': line {} has a decimal comma and line {} a decimal point: write all numbers in one way",
+                field, comma_line_, point_line_));
         plain_ += text;
     }
 
@@ -126,12 +123,11 @@ std::string plain_table(std::string text, std::string_view name, char separator,
     if (header.find(';') == std::string_view::npos || header.find(separator) != std::string_view::npos)
         return text;
     if (semicolons == Semicolons::kRefuse)
-        throw Error(
-            ExitCode::kData,
-            "{}:{}: has semicolons between its fields, as a spreadsheet writes them, and lines are to "
-            "be added to it: save it with {} between them",
-            name, 1 + std::count(std::as_const(text).data(), header.data(), '\n'),
-            separator == '\t' ? "tabs" : "commas");
+        throw Error(ExitCode::kData,
+                    "{}:{}: a spreadsheet program has saved this file with semicolons between its fields, "
+                    "and lines are to be added: save it with {} between the fields",
+                    name, 1 + std::count(std::as_const(text).data(), header.data(), '\n'),
+                    separator == '\t' ? "tabs" : "commas");
     return Rewriter(name, separator).rewrite(text);
 }
 

@@ -1,6 +1,6 @@
-// Finds a node's HID device, keeps it open, notices when it is gone and finds it again. Logic without a thread: whoever
-// calls step() may be kept waiting (runtime/hid/hid_thread.hpp), so never a node's loop: listing what is plugged in takes
-// milliseconds, and writing waits for the device.
+// Finds a node's HID device, keeps it open, notices its loss and finds it again. Logic without a thread. step() may
+// block, because listing devices takes milliseconds and writing waits for the device. So a thread calls it
+// (runtime/hid/hid_thread.hpp), never a node's loop.
 #pragma once
 
 #include <algorithm>
@@ -48,7 +48,7 @@ class HidConnection {
         if (user_.turn(now, *link_)) return Duration::zero();
         user_.detach();
         link_.reset();
-        tell(fmt::format("{} is gone: plug it in again, it is looked for each second", device_));
+        tell(fmt::format("{} is gone: plug it in again; thimble looks for it once a second", device_));
         return kLookAgain;
     }
 
@@ -64,11 +64,10 @@ class HidConnection {
         std::string why;
         auto link = bus_.open(device, why);
         if (!link) {
-            return tell(
-                fmt::format("{} may not be opened ({}): sudo cp deploy/udev/70-thimble-hid.rules "
-                            "/etc/udev/rules.d/ && sudo "
-                            "udevadm control --reload && sudo udevadm trigger, or plug it in anew",
-                            to_string(device), why));
+            return tell(fmt::format(
+                "this user may not open {} ({}): sudo cp deploy/udev/70-thimble-hid.rules /etc/udev/rules.d/ "
+                "&& sudo udevadm control --reload && sudo udevadm trigger, or unplug it and plug it in again",
+                to_string(device), why));
         }
         if (!user_.attach(device, bus_.descriptor(device), trouble)) return tell(trouble);
         link_ = std::move(link);

@@ -1,8 +1,7 @@
 // HID devices (USB and Bluetooth input) as the nodes see them: what is plugged in, and reports to and from one of them. Real:
-// hidapi (runtime/hid/hidapi_bus.hpp).
+// hidapi (runtime/hid/hid_thread.hpp).
 #pragma once
 
-#include <charconv>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -13,14 +12,10 @@
 #include <fmt/format.h>
 
 #include "common/config.hpp"
+#include "common/decimal_text.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
-
-inline bool read_hex(std::string_view text, std::uint16_t& number) {
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, 16);
-    return error == std::errc{} && end == text.data() + text.size();
-}
 
 struct HidDevice {
     std::string path;  // "/dev/hidraw3"
@@ -49,13 +44,16 @@ struct HidChoice {
 inline HidChoice read_hid_choice(const ConfigTable& table) {
     HidChoice choice;
     std::string id;
-    table.read("serial", choice.serial, "Where two of one kind are plugged in; empty: any.");
-    table.read("device_id", id, "USB's vendor and product, as lsusb shows them: 256f:c635; empty: any.");
+    table.read("serial", choice.serial,
+               "Serial number, if two devices of one kind are plugged in; empty: any.");
+    table.read("device_id", id, "USB vendor and product, as lsusb prints them: 256f:c635; empty: any.");
     if (id.empty()) return choice;
-    if (id.size() != 9 || id[4] != ':' || !read_hex(std::string_view(id).substr(0, 4), choice.vendor) ||
-        !read_hex(std::string_view(id).substr(5), choice.product)) {
+    const auto vendor = parse_whole<std::uint16_t>(id.substr(0, id.find(':')), 16);
+    const auto product = parse_whole<std::uint16_t>(id.substr(id.find(':') + 1), 16);
+    if (id.size() != 9 || id[4] != ':' || !vendor || !product)
         table.fail("device_id", "is \"{}\"; use the numbers that lsusb shows, as \"256f:c635\"", id);
-    }
+    choice.vendor = *vendor;
+    choice.product = *product;
     return choice;
 }
 
@@ -77,7 +75,7 @@ class HidBus : boost::noncopyable {
 
     // All HID devices of this machine, an entry for each of their application collections. Takes milliseconds.
     virtual std::vector<HidDevice> list() = 0;
-    // Null: `why` says what the system says.
+    // Null on failure; `why` gets the system's reason.
     virtual std::unique_ptr<HidLink> open(const HidDevice& device, std::string& why) = 0;
     // Its report descriptor; empty if that cannot be read.
     virtual std::vector<std::uint8_t> descriptor(const HidDevice& device) = 0;

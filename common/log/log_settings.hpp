@@ -29,11 +29,11 @@ inline LogSettings read_log_settings(const ConfigFile& file) {
     const ConfigTable table = file.table("log");
     LogSettings settings;
     table.read("messages", settings.messages, kLoggedMessagesNames,
-               "Which messages are written down as they pass, in nodes/*.mcap (docs/log.md).");
+               "Messages that each program logs in nodes/*.mcap (docs/log.md).");
     table.read("folder", settings.folder,
-               "Where a program that nobody named a file puts its log; empty: it writes none.");
+               "Folder for the log of a program that was started without --log; empty: no log.");
     table.read("sync_period_s", settings.sync_period, 0, 60,
-               "How often the disk is asked to have everything; 0: never.");
+               "Time between two requests to write everything to the disk; 0: none.");
     return settings;
 }
 

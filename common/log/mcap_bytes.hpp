@@ -83,7 +83,7 @@ class McapOutput {
     std::vector<std::uint8_t> bytes_;
 };
 
-// Reads on from the front; past the end everything is zero or empty, and failed() says so.
+// Reads from the front. Past the end all values are zero or empty and failed() is true.
 class McapInput {
   public:
     explicit McapInput(Bytes bytes) : bytes_(bytes) {}

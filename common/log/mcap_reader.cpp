@@ -60,7 +60,7 @@ class McapScanner {
 
     void damage(std::string_view what) {
         ++scan_.damaged;
-        flaw(fmt::format("the CRC of {} is wrong, nothing is read of it", what));
+        flaw(fmt::format("the CRC of {} is wrong, so it is skipped", what));
     }
 
     // False where the file ends for us.
@@ -148,7 +148,7 @@ class McapScanner {
         message.data = in.rest();
         if (in.failed()) return refuse("a message is too short");
         if (!channels_.contains(message.channel))
-            return refuse("a message is on a channel that nobody named");
+            return refuse("a message is on a channel that was not declared");
         ++scan_.messages;
         visitor_.message(message);
         return true;
@@ -199,7 +199,7 @@ class McapScanner {
         if (in.failed()) return head;
         head.readable = compression.empty();
         if (!head.readable)
-            flaw(fmt::format("a chunk is packed by '{}', which Thimble does not read", compression));
+            flaw(fmt::format("a chunk is compressed with '{}', which Thimble does not read", compression));
         return head;
     }
 
@@ -211,7 +211,7 @@ class McapScanner {
         if (in.failed()) return flaw("a chunk is too short");
         if (!head.readable) return;
         if (head.crc != 0 && mcap_crc(0, records) != head.crc) return damage("a chunk");
-        if (!read_records(records)) flaw("a chunk holds records that cannot be read");
+        if (!read_records(records)) flaw("a chunk holds unreadable records");
     }
 
     // Of a chunk whose end is not there. No CRC speaks for it; its records were written in one piece, from the front.

@@ -15,8 +15,8 @@ namespace thimble {
 class McapSink {
   public:
     virtual void write(Bytes bytes) = 0;
-    // Keeps these bytes until the file's end, behind what it keeps already: the index of a long log is no matter of memory. False:
-    // it does not, and they stay with the writer.
+    // Keeps these bytes, after those kept before, until the file ends: so a long log's index needs no memory. False:
+    // not kept, the writer holds them.
     virtual bool set_aside(Bytes /*bytes*/) { return false; }
     // All that was set aside, in the same portions and order.
     virtual void give_back(const std::function<void(Bytes)>& /*use*/) {}

@@ -1,4 +1,4 @@
-// Writes down the messages that a process sends and receives. A trial that cannot be written down ends.
+// Records the messages that a process sends and receives. If recording fails, the trial ends.
 #pragma once
 
 #include <string_view>
@@ -7,7 +7,7 @@ namespace thimble {
 
 class Recorder {
   public:
-    // Empty while it works; else what cannot be written, why, and what to do. May be asked at every tick.
+    // Empty while it works; else what cannot be written, why, and what to do. Cheap enough for every tick.
     virtual std::string_view fault() const = 0;
 
   protected:

@@ -65,7 +65,8 @@ Precise within_one_turn(double x) {
     return Precise(mp::fmod(Angle(x), turn));
 }
 
-// Digits that cancel in e^x - 1 and log(1 + x) are there to lose: 60 against the 36 of a hard case and at most 17 for x above 2^-54.
+// Extra digits for the cancellation in e^x - 1 and log(1 + x): a hard case needs 36 digits, and up to 17 cancel for x
+// above 2^-54.
 using Wide = Number<90>;
 
 // A power can lie exactly in the middle between two doubles, with 54 bits. Its logarithm only comes close to that, within some 2^-230;

@@ -1,5 +1,6 @@
-// The slow and sure way of portable.hpp: the same functions with 60 decimal digits by Boost.Multiprecision, which computes with integers. It
-// decides the few results that lie too close to the middle between two doubles, and makes the tables of the fast way.
+// The slow and sure way of portable.hpp: the same functions with 60 decimal digits by Boost.Multiprecision, which
+// computes with integers. It decides the few results that lie too close to the middle between two doubles, and makes
+// the tables of the fast way.
 #pragma once
 
 #include <span>

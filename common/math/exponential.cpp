@@ -91,6 +91,14 @@ DoubleDouble quick_exp(double x) {
     return scaled(exact_sum_of_ordered(power.high, power.low + power.high * growth), reduced.steps >> 6);
 }
 
+// a / b with a relative error below 2^-100, in a fifth of the operations.
+DoubleDouble quick_quotient(DoubleDouble a, DoubleDouble b) {
+    const double first = a.high / b.high;
+    const DoubleDouble taken = exact_product(first, b.high);
+    const double rest = ((a.high - taken.high) - taken.low) + (a.low - first * b.low);
+    return exact_sum_of_ordered(first, rest / b.high);
+}
+
 // Where this is true, the errors of e^x - 1 and of tanh(x / 2) are less than twice that of e^x.
 bool quick_enough(double x) { return std::abs(x) > 0.7; }
 
@@ -186,12 +194,14 @@ double tanh(double x) {
     if (std::isnan(x) || std::abs(x) < 0x1p-28)
         return std::abs(x) < kTiny || std::isnan(x) ? x : exact::tanh(x);
     if (std::abs(x) > 20) return std::copysign(1.0, x);
-    // of e^2x - 1
-    const auto share = [](DoubleDouble grown) { return grown / (grown + 2.0); };
-    const auto surely = [x, share] {
-        return rounded(share(wide_expm1({2 * x, 0})), [x] { return exact::tanh(x); });
+    // grown / (grown + 2), of grown = e^2x - 1
+    const auto surely = [x] {
+        const DoubleDouble grown = wide_expm1({2 * x, 0});
+        return rounded(grown / (grown + 2.0), [x] { return exact::tanh(x); });
     };
-    return quick_enough(2 * x) ? rounded(share(quick_exp(2 * x) + -1.0), surely, 2 * kQuickError) : surely();
+    if (!quick_enough(2 * x)) return surely();
+    const DoubleDouble grown = quick_exp(2 * x) + -1.0;
+    return rounded(quick_quotient(grown, grown + 2.0), surely, 2 * kQuickError);
 }
 
 // Newton's method from the logarithm.

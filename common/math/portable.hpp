@@ -1,5 +1,6 @@
-// Elementary functions with the same bits on every machine: rounded correctly, to nearest. A result depends on nothing but its argument: not
-// on the CPU, whose instructions choose the variants of a C library, nor on compiler, optimisation or library.
+// Elementary functions with the same bits on every machine: rounded correctly, to nearest. A result depends on
+// nothing but its argument: not on the CPU, whose instructions choose the variants of a C library, nor on compiler,
+// optimisation or library.
 //
 // Everything that reaches a file, a message or a branch uses these; plain std::exp and its like are refused outside of drawing by
 // tests/checks/purity.py. Units are none, angles are in radians; nan gives nan, and a domain error too.

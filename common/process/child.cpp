@@ -6,7 +6,6 @@
 #include <cstring>
 #include <deque>
 #include <fcntl.h>
-#include <fstream>
 #include <iterator>
 #include <spawn.h>
 #include <sstream>
@@ -27,7 +26,7 @@ extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX want
 namespace thimble {
 namespace {
 
-// Of a log: more is not for a message.
+// The most of a log that an error message quotes.
 constexpr off_t kMostRead = 1 << 16;
 constexpr std::size_t kLongestLine = 1000;
 
@@ -62,7 +61,7 @@ Child::Child(const std::filesystem::path& program, const std::vector<std::string
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-    // Ignored by this program, and programs that know nothing of that would write into closed pipes for ever.
+    // This program ignores SIGPIPE. A child that inherits that would write to closed pipes for ever.
     sigset_t defaults;
     sigemptyset(&defaults);
     sigaddset(&defaults, SIGPIPE);
@@ -145,7 +144,7 @@ std::string Child::last_lines(std::size_t lines) const {
     return printable(fmt::format("{}", fmt::join(last, "\n")));
 }
 
-// Its words go to memory that has a path while it is open here: nothing is left behind.
+// The output goes to an anonymous file in memory, so that no file is left behind.
 ProgramResult run_program(const std::string& program, const std::vector<std::string>& arguments,
                           const std::filesystem::path& directory, const std::string& remedy) {
     const FileDescriptor words(::memfd_create("words", MFD_CLOEXEC));
@@ -153,8 +152,7 @@ ProgramResult run_program(const std::string& program, const std::vector<std::str
     Child child(program, arguments, path, {}, {directory, remedy});
     ProgramResult result;
     result.exit_code = child.wait_for_ever();
-    std::ifstream file(path);
-    result.output.assign(std::istreambuf_iterator<char>(file), {});
+    result.output = read_text_file(path);
     return result;
 }
 

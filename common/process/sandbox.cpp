@@ -2,11 +2,10 @@
 
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <unistd.h>
 
 #include "common/error.hpp"
+#include "common/own_program.hpp"
 #include "common/process/child.hpp"
 #include "common/text_file.hpp"
 
@@ -17,8 +16,7 @@ namespace {
 constexpr const char* kInside = "/run/thimble-sandbox";
 
 std::vector<std::string> own_command() {
-    std::ifstream file("/proc/self/cmdline", std::ios::binary);
-    const std::string all(std::istreambuf_iterator<char>(file), {});
+    const std::string all = read_text_file("/proc/self/cmdline");
     std::vector<std::string> words;
     for (std::string_view left = all; !left.empty();) words.emplace_back(take_until(left, '\0'));
     words.front() = std::filesystem::read_symlink("/proc/self/exe").string();
@@ -80,12 +78,12 @@ void enter_sandbox(const std::vector<std::filesystem::path>& writable,
     if (in_sandbox()) return;
     std::vector<std::string> words = walls();
     show(words, std::filesystem::current_path());
-    show(words, std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path());
+    show(words, program_folder().parent_path());
     for (const std::filesystem::path& folder : readable) {
         if (full(folder) == "/tmp" || full(folder) == "/run")
             throw Error(
                 ExitCode::kUsage,
-                "--sandbox: a plug-in lies in {} itself, which the sandbox hides: move it into a folder",
+                "--sandbox: a plug-in lies directly in {}, which the sandbox hides: move it into a folder",
                 full(folder).string());
         show(words, folder);
     }

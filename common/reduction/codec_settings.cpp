@@ -32,21 +32,24 @@ void refuse_unused(const ConfigTable& table, const CodecSettings& s) {
 
 CodecSettings read_codec_settings(const ConfigTable& table) {
     CodecSettings s;
-    table.read("command", s.command, kHapticCodecNames, "Which needle commands the master sends.");
+    table.read("command", s.command, kHapticCodecNames,
+               "Codec of the master: which needle commands it sends.");
     table.read("force", s.force, kHapticCodecNames,
-               "Which forces slave_sim sends to handle, finger and bar.");
+               "Codec of slave_sim: which forces it sends to handle, finger and bar.");
     table.read("weber_fraction", s.weber_fraction, 0.001, 1,
-               "deadband: change of velocity or force that is not sent, as a fraction of the last one sent.");
+               "deadband: largest change of velocity or force that is not sent, as a fraction of the last "
+               "value sent.");
     table.read("velocity_floor_m_per_s", s.velocity_floor_m_per_s, 0, 10,
-               "deadband, command: slower needles have the deadband of this velocity.");
+               "deadband, command: for slower needles the deadband of this velocity is used.");
     table.read("force_floor_N", s.force_floor_N, 0, 10,
-               "deadband, force: smaller forces have the deadband of this one.");
+               "deadband, force: for smaller forces the deadband of this force is used.");
     table.read("delta_position_m", s.delta_position_m, 1e-7, 0.1,
-               "send-on-delta and deadband, command: the needle's place at the slave is wrong by no more.");
-    table.read("delta_force_N", s.delta_force_N, 1e-6, 100, "send-on-delta, force: the change that is sent.");
-    table.read("every", s.every, 2, 1000, "every-nth: of so many samples one is sent.");
+               "send-on-delta and deadband, command: largest error of the needle's position at the slave.");
+    table.read("delta_force_N", s.delta_force_N, 1e-6, 100,
+               "send-on-delta, force: smallest change that is sent.");
+    table.read("every", s.every, 2, 1000, "every-nth: n; one of n samples is sent.");
     table.read("refresh_s", s.refresh, 0.002, 1,
-               "Without a change a sample is sent after so long, which also follows a lost one.");
+               "Longest time without a packet; a new packet also replaces a lost one.");
     refuse_unused(table, s);
     return s;
 }
@@ -55,8 +58,8 @@ void check_refresh(const ConfigTable& table, const CodecSettings& codec, std::st
                    Duration after) {
     if (!codec.used() || 3 * codec.refresh < after) return;
     table.fail("refresh_s",
-               "is {} s, but {}.stale_after_s is {} s: after two lost packets the output would fall; use "
-               "less than a third of it",
+               "is {} s, but {}.stale_after_s is {} s: two lost packets would let the output fall; use less "
+               "than a third of it",
                to_seconds(codec.refresh), node, to_seconds(after));
 }
 

@@ -1,9 +1,6 @@
 #include "common/ros2/ros2_bus.hpp"
 
-#include <charconv>
-#include <cstdlib>
 #include <memory>
-#include <string_view>
 
 #include <fmt/format.h>
 
@@ -11,9 +8,6 @@
 
 namespace thimble {
 namespace {
-
-// By DDSI-RTPS 2.5, 9.6.2: above it, ports end beyond 65535.
-constexpr unsigned kLastDomain = 232;
 
 using Quality = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
 
@@ -40,17 +34,6 @@ dds_entity_t made(dds_entity_t entity, const std::string& what) {
 }
 
 }  // namespace
-
-unsigned ros2_domain() {
-    const char* set = std::getenv("ROS_DOMAIN_ID");
-    const std::string_view text = set == nullptr ? "" : set;
-    if (text.empty()) return 0;
-    unsigned domain = 0;
-    const char* const end = text.data() + text.size();
-    const auto read = std::from_chars(text.data(), end, domain);
-    if (read.ec == std::errc() && read.ptr == end && domain <= kLastDomain) return domain;
-    throw Error(ExitCode::kUsage, "ROS_DOMAIN_ID is '{}': it is a number from 0 to {}", text, kLastDomain);
-}
 
 // Linux does not claim multicast for the loopback interface, but has it.
 Ros2Bus::Ros2Bus(unsigned domain, const std::string& address)

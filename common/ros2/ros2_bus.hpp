@@ -7,7 +7,7 @@
 
 #include <boost/core/noncopyable.hpp>
 
-#include "common/time.hpp"
+#include "common/ros2_settings.hpp"
 
 namespace thimble {
 
@@ -16,9 +16,6 @@ enum class Ros2Quality {
     kTransforms,  // reliable, volatile, keep last 100, as tf2 has it: its reader refuses best effort
     kLatched,     // reliable, transient local, keep last 10: who comes late gets them too
 };
-
-// ROS_DOMAIN_ID as ROS 2 reads it; 0 where it is not set. Throws Error (usage).
-unsigned ros2_domain();
 
 class Ros2Bus : boost::noncopyable {
   public:
@@ -35,6 +32,8 @@ class Ros2Bus : boost::noncopyable {
         if (dds_write(writer, sample) != DDS_RETCODE_OK) ++unsent_;
     }
     std::uint64_t unsent() const { return unsent_; }
+    // For readers of DDS itself, such as of who is there.
+    dds_entity_t participant() const { return participant_; }
 
   private:
     dds_entity_t topic(const std::string& name, const dds_topic_descriptor_t& type);

@@ -1,11 +1,12 @@
 #include "common/runtime/command_line.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,15 +15,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/decimal_text.hpp"
 #include "common/duration_text.hpp"
 #include "common/error.hpp"
 #include "common/nearest_name.hpp"
-#include "common/runtime/shell_completion.hpp"
 
 namespace thimble {
 namespace {
 
-// Where the command line led to before it was not understood.
+// The deepest command that was understood.
 const CLI::App& last_command(const CLI::App& app) {
     const auto given = app.get_subcommands();
     return given.empty() ? app : last_command(*given.back());
@@ -78,7 +79,7 @@ std::string explain_word(const CLI::App& app, const std::vector<std::string>& wo
     const auto option = std::find_if(words.begin(), words.end(), is_option);
     if (option != words.end()) return explain_option(app, *option);
     if (!commands.empty()) return "name a command. " + list;
-    return words.empty() ? "" : fmt::format("'{}' is one word too many", words.front());
+    return words.empty() ? "" : fmt::format("'{}' is one argument too many", words.front());
 }
 
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {
@@ -96,11 +97,8 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
 
 // CLI11 reads counts by strtoull: -1 as 2^64 - 1, 010 as 8, and what is too large as 2^64 - 1.
 std::string judge_count(const std::string& typed) {
-    std::uint64_t value = 0;
-    const char* const last = typed.data() + typed.size();
-    const auto [end, error] = std::from_chars(typed.data(), last, value);
-    if (error == std::errc{} && end == last && (typed == "0" || !typed.starts_with('0'))) return {};
-    return fmt::format("'{}': write a whole number in digits alone (no sign, no 0 before them), at most {}",
+    if (parse_whole<std::uint64_t>(typed) && (typed == "0" || !typed.starts_with('0'))) return {};
+    return fmt::format("'{}': write a whole number with digits only (no sign, no leading 0), at most {}",
                        typed, std::numeric_limits<std::uint64_t>::max());
 }
 
@@ -110,9 +108,36 @@ std::string judge_number(const std::string& typed) {
     return finite ? std::string() : fmt::format("'{}' is not a finite number", typed);
 }
 
+// CLI11 names a type and each of its checks: "INT:INT in [1 - 64]". The user needs the range only.
+class PlainFormatter final : public CLI::Formatter {
+  public:
+    PlainFormatter() {
+        label("Needs", "needs");
+        label("Excludes", "not with");
+        label("REQUIRED", "(required)");
+    }
+    std::string make_option_opts(const CLI::Option* option) const override {
+        static constexpr std::array<std::array<std::string_view, 2>, 8> kPlain{{{":INT in [", " in ["},
+                                                                                {":UINT in [", " in ["},
+                                                                                {":FLOAT in [", " in ["},
+                                                                                {":POSITIVE", " > 0"},
+                                                                                {":NONNEGATIVE", " >= 0"},
+                                                                                {"TEXT:{", "{"},
+                                                                                {"UINT", "INT"},
+                                                                                {"FLOAT", "NUMBER"}}};
+        std::string text = CLI::Formatter::make_option_opts(option);
+        for (const auto& [from, to] : kPlain) {
+            const std::size_t at = text.find(from);
+            if (at != std::string::npos) text.replace(at, from.size(), to);
+        }
+        return text;
+    }
+};
+
 // Of all options of `app` and its subcommands. Numbers are judged behind what they themselves check: a range names what is
 // allowed. Seconds may have a unit. A list is one word with commas: of several words it would take the session file that follows.
 void settle_options(CLI::App& app) {
+    app.formatter(std::make_shared<PlainFormatter>());
     for (CLI::Option* option : app.get_options([](const CLI::Option*) { return true; })) {
         const std::string type = option->get_type_name(), name = option->get_name();
         if (type.starts_with("UINT")) option->check(judge_count);
@@ -155,6 +180,25 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
         return static_cast<int>(ExitCode::kUsage);
     }
     return std::nullopt;
+}
+
+void add_jobs_option(CLI::App& command, unsigned& jobs) {
+    command
+        .add_option("-j,--jobs", jobs,
+                    "number of worker threads; 0: one for each core. The results are the same")
+        ->check(CLI::Range(0, 1024));
+}
+
+CLI::Option* add_resume_options(CLI::App& command, IfExists& if_exists, const std::string& work) {
+    CLI::Option* replaces = command.add_flag_callback(
+        "--overwrite", [&if_exists] { if_exists = IfExists::kReplace; },
+        fmt::format("replace an earlier {} in the folder of --out", work));
+    return command
+        .add_flag_callback(
+            "--resume", [&if_exists] { if_exists = IfExists::kContinue; },
+            fmt::format("continue an interrupted {} with the same settings; the result has the same bytes",
+                        work))
+        ->excludes(replaces);
 }
 
 }  // namespace thimble

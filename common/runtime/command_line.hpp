@@ -2,16 +2,36 @@
 #pragma once
 
 #include <optional>
+#include <string>
+
+#include "common/csv/csv_file.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace thimble {
 
 // Nothing if the program is to go on, else its exit code: what was asked for (--help, --version) or is wrong has
 // been said. Counts are digits alone, without a sign, and numbers finite, whatever else their options allow. Every program
-// also answers a shell that completes its words (shell_completion.hpp), and takes `help [COMMAND...]` and `version` as first words.
+// also answers a shell that completes its words (answer_shell), and takes `help [COMMAND...]` and `version` as first words.
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
+
+// Options that mean the same in every command. `work` names what --resume goes on with: "study".
+void add_jobs_option(CLI::App& command, unsigned& jobs);
+CLI::Option* add_resume_options(CLI::App& command, IfExists& if_exists, const std::string& work);
+
+// Completion in shells. A shell's script asks the program itself, so that both always agree.
+inline constexpr const char* kCompletedShells[] = {"bash", "zsh", "fish"};
+
+// The script for one of kCompletedShells; empty for another shell.
+std::string completion_script(const std::string& program, const std::string& shell);
+
+// Answers the two hidden calls of every program and returns the exit code. For any other call it returns nothing.
+//     --completion SHELL    prints the shell's script. The build of the packages calls it.
+//     --complete WORD...    prints a line of word, tab and description for each completion of the last word. The scripts call it.
+//                           Without a completion the exit code is 1, and the shell completes names of files.
+std::optional<int> answer_shell(const CLI::App& app, int argc, char** argv);
 
 }  // namespace thimble

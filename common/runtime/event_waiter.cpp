@@ -26,7 +26,7 @@ EventWaiter::EventWaiter(bool precise)
       timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
       precise_(precise) {
     if (epoll_ < 0 || timer_ < 0 || !add(timer_, kTimerTag)) {
-        throw Error(ExitCode::kNetwork, "cannot wait for datagrams: no timer: {}{}", std::strerror(errno),
+        throw Error(ExitCode::kNetwork, "cannot make a timer: {}{}", std::strerror(errno),
                     descriptor_advice(errno));
     }
 }

@@ -54,8 +54,8 @@ class EventWaiter : boost::noncopyable {
     WaitCounters counters_;
 };
 
-// How late this machine's timer is when nothing else is asked of the program: the yardstick for anything that waits.
-// Absolute deadlines, one each `period`, for `length`, by timerfd and epoll, in the calling thread as it is scheduled.
+// Measures the lateness of this machine's timer: absolute deadlines, one each `period`, for `length`, by timerfd and
+// epoll, in the calling thread as it is scheduled. A baseline for the loops.
 Histogram measure_timer(Duration period, Duration length);
 
 }  // namespace thimble

@@ -67,8 +67,8 @@ SecretKey read_grant_key(const std::string& digits) {
                                     &size, nullptr);
     if (read == 0 && size == key.bytes.size()) return key;
     throw Error(ExitCode::kUsage,
-                "{} does not hold the key of a run in lock-step, 64 hexadecimal digits: 'thimble run --clock "
-                "lock-step' sets it (docs/lock-step.md)",
+                "{} does not hold the key of a lock-step run, 64 hexadecimal digits: 'thimble run --clock "
+                "lock-step' sets it (docs/clocks.md)",
                 kGrantKeyVariable);
 }
 
@@ -100,8 +100,8 @@ std::unique_ptr<GrantStream> GrantStream::to_conductor(const Endpoint& conductor
         return stream;
     }
     throw Error(ExitCode::kNetwork,
-                "cannot reach the conductor of lock-step at TCP {}:{}: {}; does a firewall let that port "
-                "through (docs/machines.md)?",
+                "cannot reach the lock-step controller at TCP {}:{}: {}; does a firewall block that port "
+                "(docs/machines.md)?",
                 conductor.host, conductor.port,
                 errno == 0 ? "it closed the connection" : std::strerror(errno));
 }
@@ -185,9 +185,9 @@ ssize_t GrantStream::receive(LockStepMessage& message) {
     const ssize_t size = gather(sizeof(Marked), 0);
     if (size == 0 && self_ == Sender::kNode && received_ == 0)
         throw Error(ExitCode::kNetwork,
-                    "the conductor turned this program away: it has another key or version, or the run ended "
-                    "before its first trial; use programs of one build, and read what 'thimble run' says "
-                    "(docs/lock-step.md)");
+                    "the lock-step controller rejected this program: it has another key or version, or the "
+                    "run had already ended; use programs of one build, and read the messages of 'thimble "
+                    "run' (docs/clocks.md)");
     if (size <= 0) return size;
     Marked marked, right;
     std::memcpy(&marked, came_.data(), sizeof marked);
@@ -195,8 +195,8 @@ ssize_t GrantStream::receive(LockStepMessage& message) {
     mark(right, self_ == Sender::kNode ? Sender::kConductor : Sender::kNode, received_++);
     if (!same_bytes(marked.mark, right.mark))
         throw Error(ExitCode::kNetwork,
-                    "a lock-step message whose mark does not fit the run's key: something on its way has "
-                    "changed it (docs/lock-step.md)");
+                    "a lock-step message that fails the check with the run's key: it was changed on the way "
+                    "(docs/clocks.md)");
     message = marked.message;
     return sizeof message;
 }
@@ -212,8 +212,8 @@ GrantDoor::GrantDoor(const Endpoint& here) : descriptor_(-1) {
     const int error = errno;
     close(descriptor_);
     throw Error(ExitCode::kNetwork,
-                "cannot listen on TCP {}:{}, where nodes of other machines get their grants: {}; choose "
-                "another base_port, or check host_session, in [network]",
+                "cannot listen on TCP {}:{}, where programs on other machines connect: {}; choose another "
+                "base_port, or check host_session, in [network]",
                 here.host, here.port, std::strerror(error));
 }
 

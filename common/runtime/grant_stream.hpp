@@ -1,4 +1,4 @@
-// Grants to programs on other machines (docs/lock-step.md): over TCP. Only a program that has the run's key is let in, and each
+// Grants to programs on other machines (docs/clocks.md): over TCP. Only a program that has the run's key is let in, and each
 // message carries a mark that only this key makes.
 #pragma once
 

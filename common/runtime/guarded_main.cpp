@@ -20,7 +20,8 @@ namespace {
 constexpr Duration kFarewell = std::chrono::seconds{1};
 
 int end_without_memory() {
-    std::fputs("error: no memory is left: end other programs, or raise this one's limit\n", stderr);
+    std::fputs("error: no memory is left: end other programs, or raise the memory limit of this one\n",
+               stderr);
     return static_cast<int>(ExitCode::kRunFailed);
 }
 
@@ -54,7 +55,7 @@ int run_guarded(const std::function<int()>& body) {
         return end_without_memory();
     } catch (const std::exception& error) {
         // fmt::print() throws when a print to standard output fails.
-        if (std::ferror(stdout) == 0) spdlog::error("unexpected: {}", error.what());
+        if (std::ferror(stdout) == 0) spdlog::error("unexpected error: {}", error.what());
         return static_cast<int>(ExitCode::kRunFailed);
     }
 }

@@ -6,10 +6,13 @@
 #include <cstring>
 #include <ctime>
 #include <elf.h>
+#include <fcntl.h>
 #include <link.h>
+#include <malloc.h>
 #include <span>
 #include <string_view>
 #include <sys/mman.h>
+#include <sys/random.h>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -41,6 +44,14 @@ void* watched_aligned_alloc(std::size_t alignment, std::size_t size) {
     count(&ImportCounts::allocations);
     return std::aligned_alloc(alignment, size);
 }
+void* watched_memalign(std::size_t alignment, std::size_t size) {
+    count(&ImportCounts::allocations);
+    return memalign(alignment, size);
+}
+void* watched_mmap(void* where, std::size_t size, int may, int how, int file, off_t offset) {
+    count(&ImportCounts::allocations);
+    return mmap(where, size, may, how, file, offset);
+}
 void watched_free(void* old) {
     count(&ImportCounts::allocations);
     std::free(old);
@@ -65,6 +76,23 @@ std::FILE* watched_fopen(const char* name, const char* mode) {
     count(&ImportCounts::files);
     return std::fopen(name, mode);
 }
+std::size_t watched_fread(void* to, std::size_t size, std::size_t most, std::FILE* from) {
+    count(&ImportCounts::files);
+    return std::fread(to, size, most, from);
+}
+int watched_open(const char* name, int how, unsigned mode) {
+    count(&ImportCounts::files);
+    return open(name, how, mode);
+}
+int watched_openat(int folder, const char* name, int how, unsigned mode) {
+    count(&ImportCounts::files);
+    return openat(folder, name, how, mode);
+}
+// From the system, as a file of random bytes is.
+ssize_t watched_getrandom(void* to, std::size_t most, unsigned how) {
+    count(&ImportCounts::files);
+    return getrandom(to, most, how);
+}
 ssize_t watched_read(int from, void* to, std::size_t most) {
     count(&ImportCounts::files);
     return read(from, to, most);
@@ -83,18 +111,28 @@ Replacement by(std::string_view name, Function* function) {
     return {name, reinterpret_cast<void*>(function)};
 }
 
-const std::array<Replacement, 13>& replacements() {
+const std::array<Replacement, 23>& replacements() {
     static const std::array kAll{by("malloc", watched_malloc),
                                  by("calloc", watched_calloc),
                                  by("realloc", watched_realloc),
                                  by("posix_memalign", watched_posix_memalign),
                                  by("aligned_alloc", watched_aligned_alloc),
+                                 by("memalign", watched_memalign),
+                                 by("mmap", watched_mmap),
+                                 by("mmap64", watched_mmap),
                                  by("free", watched_free),
                                  by("clock_gettime", watched_clock_gettime),
                                  by("gettimeofday", watched_gettimeofday),
                                  by("time", watched_time),
                                  by("clock", watched_clock),
                                  by("fopen", watched_fopen),
+                                 by("fopen64", watched_fopen),
+                                 by("fread", watched_fread),
+                                 by("open", watched_open),
+                                 by("open64", watched_open),
+                                 by("openat", watched_openat),
+                                 by("openat64", watched_openat),
+                                 by("getrandom", watched_getrandom),
                                  by("read", watched_read),
                                  by("write", watched_write)};
     return kAll;

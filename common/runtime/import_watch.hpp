@@ -1,5 +1,5 @@
 // Counts what a loaded plug-in asks of the C library while watched calls run: memory, clocks, files. It replaces the addresses that the
-// dynamic linker wrote for these functions, in all objects of this process but the C library, so use it in a child (apart.hpp).
+// dynamic linker wrote for these functions, in all objects of this process but the C library, so use it in a child (isolated.hpp).
 #pragma once
 
 #include <cstdint>

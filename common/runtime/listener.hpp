@@ -1,4 +1,4 @@
-// A descriptor that a loop waits for. It becomes readable when something has arrived.
+// A descriptor that a loop waits for. It becomes readable when data arrives.
 #pragma once
 
 namespace thimble {

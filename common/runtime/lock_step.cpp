@@ -55,10 +55,9 @@ LockStepEnd::LockStepEnd(int descriptor, Duration limit) : descriptor_(descripto
     if (getsockopt(descriptor_, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_SEQPACKET &&
         setsockopt(descriptor_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) == 0)
         return;
-    throw Error(
-        ExitCode::kUsage,
-        "no conductor at standard input: a program takes part in lock-step where 'thimble run --clock "
-        "lock-step' starts it (docs/lock-step.md)");
+    throw Error(ExitCode::kUsage,
+                "lock-step needs a controller at standard input: 'thimble run --clock lock-step' starts this "
+                "program with one (docs/clocks.md)");
 }
 
 LockStepEnd::LockStepEnd(std::unique_ptr<GrantStream> stream, Duration limit)
@@ -168,11 +167,10 @@ std::optional<LockStepMessage> LockStepEnd::receive() {
     const ssize_t size = receive_within_limit(message);
     if (size <= 0) return std::nullopt;
     if (size != sizeof message || message.version != kLockStepVersion)
-        throw Error(
-            ExitCode::kNetwork,
-            "a lock-step message of {} bytes and version {}, but this program speaks version {}, {} bytes: "
-            "use programs of one build (docs/lock-step.md)",
-            size, size >= 2 ? message.version : 0, kLockStepVersion, sizeof message);
+        throw Error(ExitCode::kNetwork,
+                    "a lock-step message of {} bytes and version {}, but this program uses version "
+                    "{} with {} bytes: use programs of one build (docs/clocks.md)",
+                    size, size >= 2 ? message.version : 0, kLockStepVersion, sizeof message);
     if (conductor_ && message.by_page != 0) by_page_ = true;
     return message;
 }

@@ -1,4 +1,4 @@
-// The protocol of lock-step (docs/lock-step.md): a conductor grants the time to the programs of a session, one after another. Here is
+// The protocol of lock-step (docs/clocks.md): a conductor grants the time to the programs of a session, one after another. Here is
 // one end of it, and the loop of a program that takes part.
 #pragma once
 
@@ -95,8 +95,8 @@ class LockStepEnd : boost::noncopyable {
     std::uint32_t heard_ = 0;
 };
 
-// Answers each grant with a tick, after those that want no answer, until another order comes, which it returns; none if the conductor is gone or a signal ends the program.
-// Throws Error (network) if a datagram does not come.
+// Answers each grant with a tick, after those that want no answer, until another order comes, which it returns; none
+// if the conductor is gone or a signal ends the program. Throws Error (network) if a datagram does not come.
 // `quiet_until`, which may be empty: for each answer.
 std::optional<LockStepMessage> run_in_lock_step(LockStepEnd& conductor, Process& process, Sockets& sockets,
                                                 const std::function<SessionTime()>& quiet_until = {});

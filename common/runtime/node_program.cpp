@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include <thread>
 
 #include <CLI/CLI.hpp>
+#include <boost/core/noncopyable.hpp>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -20,7 +22,8 @@
 #include "common/runtime/grant_stream.hpp"
 #include "common/runtime/lock_step.hpp"
 #include "common/runtime/log/message_log.hpp"
-#include "common/runtime/program_report.hpp"
+#include "common/runtime/node_report.hpp"
+#include "common/runtime/plugin_watch.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
@@ -100,7 +103,7 @@ int check_deadlines(const Options& options, const RuntimeSettings& runtime, cons
     return static_cast<int>(ExitCode::kRealtime);
 }
 
-// Tells the process about SIGQUIT and missed deadlines, which only the loop sees.
+// Passes SIGQUIT and missed deadlines from the loop to the process.
 class LoopWatch {
   public:
     LoopWatch(NodeProcess& process, const RuntimeSettings& runtime) : process_(&process) {
@@ -109,13 +112,13 @@ class LoopWatch {
     void turned(SessionTime now, const LoopStatistics& loop) {
         if (const unsigned asked = emergency_stops(); asked != emergencies_) {
             emergencies_ = asked;
-            process_->stop_everything(now, EndReason::kEmergencyStop, "SIGQUIT at a node's program");
+            process_->stop_everything(now, EndReason::kEmergencyStop, "SIGQUIT to a program of the session");
         }
         process_->deadlines_missed(now, loop.missed_in_a_row);
         if (process_->overruns() == 0 || said_) return;
         said_ = true;  // once: a node that is late has no time for more
         spdlog::warn(
-            "{} deadlines missed in a row, by more than {} ms each; [runtime] overrun says what follows",
+            "{} deadlines missed in a row, by more than {} ms each; [runtime] overrun decides the reaction",
             loop.missed_in_a_row, kDeadlineSlack.count() / 1'000'000);
     }
 
@@ -138,6 +141,38 @@ void run_process(NodeInstance& instance, Process& process, const RuntimeSettings
     });
     notice.stopping();
 }
+
+// Of all calls of a plug-in in this program. Null: it calls none.
+std::unique_ptr<PluginWatch> watch_plugin(const NodeProgram& program, const ConfigFile& file) {
+    const auto& own = program.tables;
+    const bool controls = std::find(own.begin(), own.end(), "control") != own.end();
+    return controls && file.table("control").has("plugin") ? std::make_unique<PluginWatch>() : nullptr;
+}
+
+// A node whose plug-in is watched from create() to destroy(). `limit`: of a call in a trial. create() has ten times as long, because it
+// may load something. That is less than a session waits for its nodes by default.
+class WatchedInstance : boost::noncopyable {
+  public:
+    WatchedInstance(const NodeProgram& program, const ConfigFile& file, Sockets& sockets,
+                    std::uint64_t number, Duration limit)
+        : watch_(watch_plugin(program, file)) {
+        expect(10 * limit);
+        instance_ = program.build(file, sockets, number);
+        expect(limit, instance_->rest_without_plugin());
+    }
+    ~WatchedInstance() { expect(kPluginLimitAtEnd, instance_->rest_without_plugin()); }
+
+    NodeInstance& operator*() const { return *instance_; }
+    NodeInstance* operator->() const { return instance_.get(); }
+
+  private:
+    void expect(Duration limit, std::function<void()> rest = {}) {
+        if (watch_ != nullptr) watch_->expect(limit, std::move(rest));
+    }
+
+    std::unique_ptr<PluginWatch> watch_;  // outlives the node
+    std::unique_ptr<NodeInstance> instance_;
+};
 
 // The process in a second thread beside the node's foreground. An error of the foreground is reported after the process has stopped.
 void run_beside_foreground(NodeInstance& instance, Process& process, const RuntimeSettings& runtime,
@@ -217,10 +252,11 @@ class ConductedNode {
         sockets.count_datagrams(Duration{begin.time_ns});
         const bool all = settings_.logging.messages == LoggedMessages::kAll && !program_.relays;
         if (log) sockets.record_to(*log, all);
-        const auto instance = program_.build(file_, sockets, begin.instance);
+        const WatchedInstance instance(program_, file_, sockets, begin.instance, kPluginLimitInLockStep);
         if (instance->has_foreground())
             throw Error(ExitCode::kUsage,
-                        "a window cannot take part in lock-step: it lives by the wall clock");
+                        "a window works in real time only, not in lock-step: set [visual] display = "
+                        "\"recording\", or use --clock wall");
         if (log) {
             log->start(log_file, log_origin(program_, options_, file_), settings_.logging);
             instance->process().record_with(*log);
@@ -252,7 +288,8 @@ class ConductedNode {
 
 // By TCP where the launcher has given a key: this machine is not the conductor's.
 std::unique_ptr<LockStepEnd> conductor_of(const NodeProgram& program, const NetworkSettings& network) {
-    const char* const key = std::getenv(kGrantKeyVariable);  // NOLINT(concurrency-mt-unsafe): nobody sets it
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): no thread sets a variable
+    const char* const key = std::getenv(kGrantKeyVariable);  // an empty one is wrong
     if (key == nullptr) return std::make_unique<LockStepEnd>(STDIN_FILENO, Duration::zero());
     prepare_security();
     const Endpoint there{network.host(Role::kSession), network.base_port};
@@ -269,7 +306,8 @@ int run_by_conductor(const NodeProgram& program, const Options& options, const C
     while (order && order->kind == LockStepKind::kBegin) order = node.run_trial(*conductor, *order);
     if (!node.report().is_null()) save(options.report, node.report());
     if (!order || order->kind == LockStepKind::kEnd) return static_cast<int>(ExitCode::kOk);
-    throw Error(ExitCode::kNetwork, "lock-step: an order of kind {} came where begin or end was due",
+    throw Error(ExitCode::kNetwork,
+                "lock-step: received a message of kind {}, where a begin or end was expected",
                 static_cast<int>(order->kind));
 }
 
@@ -285,7 +323,7 @@ int run(const NodeProgram& program, const Options& options) {
     Sockets sockets(network);
     if (log) sockets.record_to(*log, logging.messages == LoggedMessages::kAll && !program.relays);
     if (options.launcher == 0) warn_if_unprotected(network);  // the launcher has warned already
-    const auto instance = program.build(file, sockets, system_entropy());
+    const WatchedInstance instance(program, file, sockets, system_entropy(), kPluginLimit);
     install_stop_signals(QuitSignal::kStopsEverything);
     if (log) {
         log->start(log_file, log_origin(program, options, file), logging);
@@ -328,18 +366,19 @@ int run_node_program(const NodeProgram& program, int argc, char** argv) {
     return guarded_main(program.name, [&] {
         CLI::App app(program.description, program.name);
         Options options;
-        app.add_option("session", options.config, "session file (TOML); without it the paper's defaults");
-        app.add_option("--base-port", options.base_port, "first UDP port, instead of [network].base_port")
+        app.add_option("session", options.config, "session file (TOML); default: the paper's settings")
+            ->type_name("FILE");
+        app.add_option("--base-port", options.base_port, "first UDP port, instead of [network] base_port")
             ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
             ->type_name("PORT");
-        app.add_option("--report", options.report,
-                       "write counters and lateness to this JSON file at the end");
+        app.add_option("--report", options.report, "write counters and lateness to this JSON file at the end")
+            ->type_name("FILE");
         app.add_option("--log", options.log,
-                       "write the messages that [log] names to this new MCAP file (docs/log.md)");
+                       "write the messages that [log] selects to this new MCAP file (docs/log.md)")
+            ->type_name("FILE");
         app.add_flag("--strict-rt", options.strict_rt, "exit with 4 if too many deadlines were missed");
-        app.add_flag(
-            "--lock-step", options.lock_step,
-            "take the time from the conductor at standard input (thimble run --clock lock-step sets it)");
+        app.add_flag("--lock-step", options.lock_step,
+                     "take the time from standard input (set by thimble run --clock lock-step)");
         app.add_flag("--die-with-parent", options.launcher, kDieWithParentHelp);
         if (program.add_options) program.add_options(app);
         app.set_version_flag("--version", std::string(kVersion));

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -13,6 +14,7 @@
 #include "common/node_process.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/sockets.hpp"
+#include "common/time.hpp"
 
 namespace thimble {
 
@@ -24,6 +26,8 @@ class NodeInstance {
     // Brings its devices up before the node says that it is ready, with time limits of its own. Throws Error with which device,
     // which step, why and what to do.
     virtual void bring_up() {}
+    // Takes the force off its device, in another thread, when a plug-in does not come back. Empty: there is no force.
+    virtual std::function<void()> rest_without_plugin() { return {}; }
     // The node's own part of its report, besides counters and lateness.
     virtual void describe(nlohmann::ordered_json& /*report*/) const {}
     // A node with work that only the program's main thread may do (a window): its process then runs in a second thread, and
@@ -53,5 +57,9 @@ nlohmann::ordered_json quantiles(const Histogram& histogram);
 // Every main() calls this. It opens the standard descriptors and calls `body`. It turns Error and other exceptions into a message
 // on stderr and an exit code.
 int guarded_main(const std::string& name, const std::function<int()>& body);
+
+// Until awaits() is empty. It says what is still to do, which is logged each time that it changes. `key`: of the
+// session file, for the limit; empty: none. Throws Error (run failed) after `limit`, or when the program is to stop.
+void await_user(const std::function<std::string()>& awaits, Duration limit, std::string_view key = {});
 
 }  // namespace thimble

@@ -1,10 +1,16 @@
 // Parts of the report that a program writes at its end (JSON).
 #pragma once
 
+#include <cstdint>
+
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "common/control/controller_ends.hpp"
+#include "common/flow.hpp"
+#include "common/runtime/log/message_log.hpp"
+#include "common/runtime/node_program.hpp"
+#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/sockets.hpp"
 #include "common/stale_policy.hpp"
 #include "common/stale_record.hpp"
@@ -38,7 +44,7 @@ inline void describe_plugin(nlohmann::ordered_json& report, const ControllerEnd&
                         {"late_samples", tally.late_samples},
                         {"longest_call_s", to_seconds(tally.longest_call)}};
     if (tally.not_numbers > 0)
-        spdlog::warn("plug-in {} gave {} values that are no numbers: they counted as 0", end.file(),
+        spdlog::warn("plug-in {} returned {} values that are not numbers: they counted as 0", end.file(),
                      tally.not_numbers);
     if (tally.late_samples > 0)
         spdlog::warn(
@@ -59,5 +65,16 @@ inline void describe_stale(nlohmann::ordered_json& report, const StalePolicy& po
     }
     report["stale_acted"] = std::move(trials);
 }
+
+// A node's program writes at its end a report (JSON), and puts parts of it into its log.
+
+// `overruns`: runs of missed deadlines as long as [runtime] allows.
+nlohmann::ordered_json describe_program(const NodeProgram& program, const NodeInstance& instance,
+                                        const Sockets& sockets, const FlowCounters& counters,
+                                        const LoopStatistics& loop, std::uint64_t overruns);
+// The report's `log`.
+nlohmann::ordered_json describe_log(const LogCounters& log);
+// In the log, too, which policy for silent inputs acted.
+void note_stale(MessageLog& log, const nlohmann::ordered_json& report);
 
 }  // namespace thimble

@@ -1,4 +1,3 @@
-#include "common/runtime/program_report.hpp"
 
 #include "common/json_text.hpp"
 #include "common/runtime/node_report.hpp"

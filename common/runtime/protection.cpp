@@ -19,8 +19,8 @@ void hide_memory() {
     const bool hidden = setrlimit(RLIMIT_CORE, &none) == 0 && prctl(PR_SET_DUMPABLE, 0UL, 0UL, 0UL, 0UL) == 0;
     if (hidden) return;
     throw Error(ExitCode::kRunFailed,
-                "cannot keep the lab key out of core dumps: {}; something on this machine forbids setrlimit "
-                "or prctl to this program (a seccomp filter?)",
+                "cannot keep the lab key out of core dumps: {}; does a seccomp filter forbid setrlimit or "
+                "prctl here?",
                 std::strerror(errno));
 }
 
@@ -42,10 +42,10 @@ void require_protection(const NetworkSettings& settings) {
     const std::string outside = host_elsewhere(settings);
     if (outside.empty()) return;
     throw Error(ExitCode::kUsage,
-                "[network] names the host '{}', which is not this machine or cannot be resolved here, and "
-                "[security] mode \"{}\" protects nothing between machines: make a key with 'thimble keygen', "
-                "copy it to each machine and set mode = \"lab-key\" (docs/security.md). To do without, say "
-                "both mode = \"none\" and allow_unprotected_network = true",
+                "[network] names the host '{}', which is another machine or has no address here, but "
+                "[security] mode \"{}\" does not protect traffic between machines: make a key with 'thimble "
+                "keygen', copy it to each machine and set mode = \"lab-key\" (docs/security.md). To work "
+                "without protection, set mode = \"none\" and allow_unprotected_network = true",
                 outside, to_string(security.mode));
 }
 
@@ -55,8 +55,8 @@ void require_protection_of_handle(const NetworkSettings& settings) {
     if (outside.empty()) return;
     throw Error(
         ExitCode::kUsage,
-        "a real handle takes no force from an unprotected network, and [network] names the host '{}': "
-        "set [security] mode = \"lab-key\" (docs/security.md), or [handle] device = \"simulated\"",
+        "a real handle or robot accepts no commands from an unprotected network, but [network] names the "
+        "host '{}': set [security] mode = \"lab-key\" (docs/security.md), or use device = \"simulated\"",
         outside);
 }
 
@@ -64,18 +64,27 @@ void require_protection_of_device(const SecuritySettings& settings, const std::s
     if (settings.allow_unprotected_network || !leaves_this_machine(host)) return;
     throw Error(
         ExitCode::kUsage,
-        "the device at '{}' is spoken to over the network in a protocol that has no protection: connect it "
-        "to this machine, or say [security] allow_unprotected_network = true (docs/security.md)",
+        "the traffic with the device at '{}' would cross the network without protection: connect the device "
+        "to this machine, or set [security] allow_unprotected_network = true (docs/security.md)",
         host);
+}
+
+void require_protection_of_dds(const SecuritySettings& settings, std::string_view table,
+                               const std::string& interface) {
+    if (settings.allow_unprotected_network || !leaves_this_machine(interface)) return;
+    throw Error(ExitCode::kUsage,
+                "[{}] interface: '{}' is not this machine alone, and DDS has no protection there: use "
+                "127.0.0.1, or set [security] allow_unprotected_network = true (docs/security.md)",
+                table, interface);
 }
 
 void warn_if_unprotected(const NetworkSettings& settings) {
     if (settings.security.mode != SecurityMode::kNone) return;
     const bool here = host_elsewhere(settings).empty();
     spdlog::warn(
-        "datagrams are not protected ([security] mode is none): anybody on {} can move the needle; {}",
+        "datagrams are not protected ([security] mode is \"none\"): anybody on {} can move the needle; {}",
         here ? "this machine" : "the network",
-        here ? "leave mode out (docs/security.md)" : "make a key with 'thimble keygen' (docs/security.md)");
+        here ? "remove mode (docs/security.md)" : "make a key with 'thimble keygen' (docs/security.md)");
 }
 
 NetworkSettings without_user_key(NetworkSettings settings) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 
 #include "common/network_settings.hpp"
 #include "common/security/security.hpp"
@@ -11,10 +12,13 @@ namespace thimble {
 // Throws Error (usage) if datagrams would leave this machine unprotected without the file's saying so twice, or under a user key,
 // which other machines do not have.
 void require_protection(const NetworkSettings& settings);
-// Throws Error (usage) if they would leave it unprotected at all: before a real handle is opened.
+// Throws Error (usage) if they would leave it unprotected at all: before a real handle, or a robot, is opened.
 void require_protection_of_handle(const NetworkSettings& settings);
-// The same of a device's own protocol, which nothing here protects.
+// The same for a device's own protocol, which Thimble does not encrypt.
 void require_protection_of_device(const SecuritySettings& settings, const std::string& host);
+// The same of DDS at `interface`, which key `interface` of `table` names.
+void require_protection_of_dds(const SecuritySettings& settings, std::string_view table,
+                               const std::string& interface);
 // One line on stderr in mode "none".
 void warn_if_unprotected(const NetworkSettings& settings);
 // For lock-step, where a datagram's port shows whether a program of the session sent it: by default none needs a key.

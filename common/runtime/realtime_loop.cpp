@@ -82,7 +82,7 @@ std::string ask_for_realtime(const RuntimeSettings& settings) {
     parameter.sched_priority = settings.priority;
     if (sched_setscheduler(0, SCHED_FIFO, &parameter) == 0) return "";
     return fmt::format(
-        "no real-time scheduling ({}): deadlines depend on what else runs. Allow it with 'ulimit -r {}' or "
+        "no real-time scheduling ({}): other programs can delay this one. Allow it with 'ulimit -r {}', or "
         "set realtime_scheduling = false in [runtime]",
         std::strerror(errno), settings.priority);
 }

@@ -35,9 +35,9 @@ inline constexpr Duration kDeadlineSlack = std::chrono::milliseconds{1};
 // programs that ask emergency_stops().
 enum class QuitSignal { kEnds, kStopsEverything };
 
-// Set by SIGINT and SIGTERM once install_stop_signals() was called.
+// True after SIGINT or SIGTERM, once install_stop_signals() was called.
 const std::atomic<bool>& stop_requested();
-// How many of them have come. A program that is ending hears by it that its user has no more patience.
+// Number of these signals. A second one asks a program that is ending to end at once.
 unsigned stop_requests();
 void install_stop_signals(QuitSignal quit = QuitSignal::kEnds);
 // In a thread beside the loop: signals are for the loop's own.
@@ -49,7 +49,7 @@ unsigned emergency_stops();
 // SIGTERM comes at once. A `launcher` of 1 (the flag alone) means that its number is unknown.
 void stop_with_parent(pid_t launcher);
 inline constexpr const char* kDieWithParentHelp =
-    "stop when the launcher dies; =PID: also if that process has died already (thimble run sets it)";
+    "end with the launcher; =PID: also if that process has already ended (set by thimble run)";
 
 // Real-time scheduling and a 1 ns timer slack for this process. Returns "" or what to tell the user (said
 // once).

@@ -12,16 +12,18 @@ RuntimeSettings read_runtime_settings(const ConfigFile& file) {
     const ConfigTable table = file.table("runtime");
     RuntimeSettings s;
     table.read("realtime_scheduling", s.realtime_scheduling,
-               "Ask for SCHED_FIFO, the session one step below the nodes; if the system refuses, a warning.");
-    table.read("priority", s.priority, 1, 98, "The nodes' priority in SCHED_FIFO.");
+               "Use SCHED_FIFO, for the session one priority below the nodes; a warning if the system does "
+               "not allow it.");
+    table.read("priority", s.priority, 1, 98, "SCHED_FIFO priority of the nodes.");
     table.read("allowed_miss_fraction", s.allowed_miss_fraction, 0, 1,
-               "Of deadlines missed by more than 1 ms, under --strict-rt.");
-    table.read(
-        "overrun", s.overrun, {"warn", "rest", "stop"},
-        "Say so (warn); also keep the outputs at rest until it is in time again; also stop everything.");
+               "Allowed fraction of deadlines missed by more than 1 ms, with --strict-rt.");
+    table.read("overrun", s.overrun, {"warn", "rest", "stop"},
+               "Reaction to missed deadlines. warn: a message; rest: also outputs at rest (no force, needle "
+               "held) until the program is in time again; stop: also stop everything.");
     read_core(file);  // each reader of this table must know all its keys
-    table.read("overrun_limit", s.overrun_limit, 1, 100'000,
-               "So many deadlines missed in a row: the node does what overrun says (docs/safety.md).");
+    table.read(
+        "overrun_limit", s.overrun_limit, 1, 100'000,
+        "Number of deadlines missed in a row before the node does what overrun says (docs/safety.md).");
     return s;
 }
 
@@ -29,7 +31,7 @@ int read_core(const ConfigFile& file) {
     int core = kAnyCore;
     file.table("runtime").read(
         "core", core, kAnyCore, CPU_SETSIZE - 1,
-        "The processor core that all nodes of this machine share but one with a window; -1: any.");
+        "Processor core of all nodes on this machine except those with a window; -1: any.");
     return core;
 }
 
@@ -39,8 +41,9 @@ std::string keep_to_core(int core) {
     CPU_ZERO(&cores);
     CPU_SET(static_cast<std::size_t>(core), &cores);
     if (sched_setaffinity(0, sizeof cores, &cores) == 0) return "";
-    return fmt::format("cannot keep to core {} ({}): it runs on any. See core in [runtime], and nproc", core,
-                       std::strerror(errno));
+    return fmt::format(
+        "cannot use core {} ({}): the program runs on any core. See core in [runtime], and nproc", core,
+        std::strerror(errno));
 }
 
 }  // namespace thimble

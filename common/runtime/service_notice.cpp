@@ -1,39 +1,31 @@
 #include "common/runtime/service_notice.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
-#include <cstdlib>
 #include <cstring>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "common/decimal_text.hpp"
+#include "common/own_program.hpp"
+
 namespace thimble {
 namespace {
 
-std::string variable(const char* name) {
-    const char* value = std::getenv(name);
-    return value == nullptr ? "" : value;
-}
-
 // 0 if it is no number.
-std::int64_t number(const std::string& text) {
-    std::int64_t value = 0;
-    std::from_chars(text.data(), text.data() + text.size(), value);
-    return value;
-}
+std::int64_t number(const std::string& text) { return parse_whole<std::int64_t>(text).value_or(0); }
 
 Duration watchdog_in_environment() {
-    const std::string whose = variable("WATCHDOG_PID");
+    const std::string whose = environment_text("WATCHDOG_PID");
     if (!whose.empty() && number(whose) != getpid()) return {};
     constexpr std::int64_t kHour_us = 3'600'000'000;
-    return std::chrono::microseconds{std::min(number(variable("WATCHDOG_USEC")), kHour_us)};
+    return std::chrono::microseconds{std::min(number(environment_text("WATCHDOG_USEC")), kHour_us)};
 }
 
 }  // namespace
 
-ServiceNotice::ServiceNotice() { open(variable("NOTIFY_SOCKET"), watchdog_in_environment()); }
+ServiceNotice::ServiceNotice() { open(environment_text("NOTIFY_SOCKET"), watchdog_in_environment()); }
 
 ServiceNotice::ServiceNotice(const std::string& socket, Duration watchdog) { open(socket, watchdog); }
 

@@ -22,7 +22,7 @@ class ServiceNotice : boost::noncopyable {
 
     void ready() { say("READY=1"); }
     void stopping() { say("STOPPING=1"); }
-    // Call often: says that the loop turns, at most twice in the watchdog's time. Never blocks.
+    // Reports that the loop is alive, at most twice per watchdog period. Call it often; it never blocks.
     void turns(SessionTime now);
 
   private:

@@ -1,5 +1,3 @@
-#include "common/runtime/shell_completion.hpp"
-
 #include <algorithm>
 #include <string_view>
 #include <vector>
@@ -8,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/runtime/command_line.hpp"
 
 namespace thimble {
 namespace {

@@ -24,7 +24,8 @@ class Sockets final : public Ports {
     // Throws Error as require_protection() and make_security() do.
     explicit Sockets(NetworkSettings settings);
 
-    // The log gets all messages of channels opened from now on: of the control channels, or of all but the devices' channels. Before anything is opened; `log` outlives this.
+    // The log gets all messages of channels opened from now on: of the control channels, or of all but the devices'
+    // channels. Before anything is opened; `log` outlives this.
     void record_to(MessageLog& log, bool all) {
         log_ = &log;
         log_all_ = all;

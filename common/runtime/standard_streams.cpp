@@ -43,9 +43,9 @@ void write_all(std::string_view words) {
     }
 }
 
-class WordQueue {
+class StderrQueue {
   public:
-    WordQueue() {
+    StderrQueue() {
         waiting_.reserve(kMostWaiting);
         writing_.reserve(kMostWaiting);
     }
@@ -95,7 +95,9 @@ class WordQueue {
             write_all(writing_);
             if (dropped > 0)
                 write_all(
-                    fmt::format("\n[{} messages are missing here: nobody read them in time]\n", dropped));
+                    fmt::format("\n"
+                                "[{} messages are missing here, because the terminal was too slow]\n",
+                                dropped));
             writing_.clear();
             lock.lock();
             busy_ = false;
@@ -111,10 +113,10 @@ class WordQueue {
 };
 
 // Never destroyed: its thread may hang in a write until the program has ended. A forked child has no such thread, and begins anew.
-WordQueue*& the_queue() {
-    static WordQueue* queue = [] {
-        pthread_atfork(nullptr, nullptr, [] { the_queue() = new WordQueue; });
-        return new WordQueue;
+StderrQueue*& stderr_queue() {
+    static StderrQueue* queue = [] {
+        pthread_atfork(nullptr, nullptr, [] { stderr_queue() = new StderrQueue; });
+        return new StderrQueue;
     }();
     return queue;
 }
@@ -151,9 +153,9 @@ void open_standard_descriptors() {
     }
 }
 
-void write_stderr(std::string_view words) { the_queue()->add(words); }
+void write_stderr(std::string_view words) { stderr_queue()->add(words); }
 
-bool stderr_written_within(Duration limit) { return the_queue()->empty_within(limit); }
+bool stderr_written_within(Duration limit) { return stderr_queue()->empty_within(limit); }
 
 void log_to_stderr(const std::string& program) {
     spdlog::set_default_logger(std::make_shared<spdlog::logger>(program, std::make_shared<WordsSink>()));
@@ -180,8 +182,8 @@ int settle_results(int exit_code) {
     const std::string reason = errno != 0 ? fmt::format(": {}", std::strerror(errno)) : std::string();
     if (!reader_has_left()) {
         spdlog::error(
-            "results are lost: standard output cannot be written{}; free space on its disk or redirect it, "
-            "and run the command again",
+            "standard output cannot be written{}, so results are lost; free space on its disk or redirect "
+            "it, and run the command again",
             reason);
     }
     return exit_code == 0 ? static_cast<int>(ExitCode::kRunFailed) : exit_code;

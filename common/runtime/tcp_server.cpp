@@ -85,7 +85,7 @@ void TcpServer::look_after_clients() {
     std::erase_if(clients_, [](const Client& client) { return client.gone; });
 }
 
-// A little at a time: who floods is heard no faster than he is looked after.
+// Reads a little at a time, so that a client that floods costs little.
 void TcpServer::throw_away_input(Client& client) {
     std::array<std::uint8_t, 4096> bytes{};
     for (int i = 0; i < 16; ++i) {

@@ -1,5 +1,5 @@
-// Says the same to every program that connects over TCP (IPv4), and listens to none: what they say is read and thrown away. Never
-// blocks: who is too slow misses whole messages and gets the next one.
+// Sends the same messages to every program that connects over TCP (IPv4), and discards what they send. Never blocks:
+// a slow client misses whole messages.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ class TcpServer : boost::noncopyable {
     explicit TcpServer(const Endpoint& local);
     ~TcpServer();
 
-    // Lets in who waits, forgets who has gone.
+    // Accepts waiting clients and drops those that have left.
     void look_after_clients();
     // A whole message to each client that has taken all of the one before.
     void send(Bytes message);

@@ -55,10 +55,10 @@ void UdpChannel::bind_to(const Endpoint& local) {
     const sockaddr_in address = resolve(local);
     if (bind(socket_.descriptor(), raw(address), sizeof address) == 0) return;
     const int error = errno;
-    const char* advice = error == EADDRINUSE
-                             ? "is another thimble program running there? Stop it, or choose another "
-                               "base_port in [network]"
-                             : "check the host in [network]";
+    const char* advice =
+        error == EADDRINUSE
+            ? "is another thimble program running there? Stop it, or choose another base_port in [network]"
+            : "check the host in [network]";
     throw Error(ExitCode::kNetwork, "cannot listen on UDP {}:{}: {}; {}", local.host, local.port,
                 std::strerror(error), advice);
 }
@@ -108,11 +108,10 @@ void UdpChannel::wait_for_announced() {
     const unsigned missing = std::exchange(announced_, 0);  // it is waited for once
     throw DatagramLost(
         listens_at_,
-        fmt::format(
-            "lock-step: of the flow '{}' from {} to {} {} announced datagram{} did not come within {} s: the "
-            "machine has lost it (is net.core.rmem_max too small?)",
-            flow(listens_at_).what, to_string(flow(listens_at_).hears), to_string(owner(listens_at_)),
-            missing, missing == 1 ? "" : "s", to_seconds(limit_)));
+        fmt::format("lock-step: the machine lost a datagram of '{}' from {} to {}: {} announced datagram{} "
+                    "did not come within {} s (is net.core.rmem_max too small?)",
+                    flow(listens_at_).what, to_string(flow(listens_at_).hears), to_string(owner(listens_at_)),
+                    missing, missing == 1 ? "" : "s", to_seconds(limit_)));
 }
 
 bool UdpChannel::hear_outside() {

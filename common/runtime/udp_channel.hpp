@@ -23,12 +23,12 @@ struct UdpCounters {
     std::uint64_t too_long = 0;        // larger than kMaxDatagramBytes
 };
 
-// Whether a host is an address that every machine takes for itself: 127.0.0.0/8, which on Debian a machine's own name
-// stands for, or 0.0.0.0. False for a name that cannot be resolved here.
+// Whether a host name means the machine that resolves it: 127.0.0.0/8 (on Debian also a machine's own name) or
+// 0.0.0.0. False for a name that cannot be resolved here.
 bool means_this_machine(const std::string& host);
 
-// Whether a host is an address outside 127.0.0.0/8, so that others may hear what is said to it. True for a name that cannot
-// be resolved here: a moment later it may be.
+// Whether datagrams to this host can leave the machine: an address outside 127.0.0.0/8. True for a name that cannot
+// be resolved now.
 bool leaves_this_machine(const std::string& host);
 
 // In lock-step: an announced datagram has not come.

@@ -4,7 +4,6 @@
 #include <arpa/inet.h>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <ctime>
 #include <linux/sock_diag.h>
@@ -17,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/network_settings.hpp"
 #include "common/text_file.hpp"
 
 namespace thimble {
@@ -29,17 +29,6 @@ void enlarge(int descriptor, int forced, int polite) {
     if (setsockopt(descriptor, SOL_SOCKET, forced, &kRoomBytes, sizeof kRoomBytes) != 0) {
         setsockopt(descriptor, SOL_SOCKET, polite, &kRoomBytes, sizeof kRoomBytes);
     }
-}
-
-std::uint16_t read_port(std::string_view text, const std::string& whole, const std::string& option) {
-    std::uint16_t port = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-    if (error != std::errc{} || end != text.data() + text.size()) {
-        throw Error(ExitCode::kUsage,
-                    "{}: '{}' has no port from 0 to 65535; write it as HOST:PORT, [IPv6]:PORT or PORT",
-                    option, whole);
-    }
-    return port;
 }
 
 // The first address of this family, if there is one.
@@ -144,10 +133,12 @@ std::string to_string(const UdpAddress& address) {
 }
 
 UdpAddress read_udp_address(const std::string& text, const std::string& option) {
-    const std::size_t colon = text.rfind(':');
-    if (colon == std::string::npos) return {htonl(INADDR_ANY), htons(read_port(text, text, option))};
-    const std::uint16_t port = read_port(std::string_view(text).substr(colon + 1), text, option);
-    std::string host = text.substr(0, colon);
+    const auto given = endpoint_in(text, "0.0.0.0");
+    if (!given)
+        throw Error(ExitCode::kUsage,
+                    "{}: '{}' is not PORT, HOST:PORT or [IPv6]:PORT, with a port from 0 to 65535", option,
+                    text);
+    auto [host, port] = *given;
     const bool bracketed = host.size() > 1 && host.front() == '[' && host.back() == ']';
     if (!bracketed && host.find(':') != std::string::npos) {
         throw Error(ExitCode::kUsage, "{}: '{}' needs brackets around its IPv6 address: [::1]:9000", option,
@@ -157,7 +148,7 @@ UdpAddress read_udp_address(const std::string& text, const std::string& option) 
     int error = 0;
     if (const auto found = bracketed ? std::nullopt : look_up(host, port, AF_INET, error)) return *found;
     if (const auto found = look_up(host, port, AF_INET6, error)) return unmapped(*found);
-    throw Error(ExitCode::kNetwork, "cannot resolve host '{}': {}; give an address to {}?", host,
+    throw Error(ExitCode::kNetwork, "cannot resolve host '{}': {}; give an address to {}", host,
                 gai_strerror(error), option);
 }
 
@@ -219,7 +210,7 @@ UdpSocket UdpSocket::listening(const UdpAddress& local) {
     if (bind(made.descriptor_, &address.any, address.size()) != 0) {
         throw Error(ExitCode::kNetwork, "cannot listen on UDP {}: {}; {}", to_string(local),
                     std::strerror(errno),
-                    errno == EADDRINUSE ? "another program has that port: choose another, or stop it"
+                    errno == EADDRINUSE ? "another program uses that port: choose another port, or stop it"
                                         : "is that an address of this machine?");
     }
     return made;

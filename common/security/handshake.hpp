@@ -1,12 +1,13 @@
-// Two that share the lab key agree on keys for one life of both: X25519 between one-time keys of both sides, mixed with the lab
-// key by keyed BLAKE2b over all that was said. Three messages of one length, and the first sealed datagram as the fourth:
+// Two programs with the same lab key agree on session keys: X25519 between one-time keys of both sides, mixed with
+// the lab key by keyed BLAKE2b over all messages. Three messages of one length, and the first sealed datagram as the
+// fourth:
 //
 //   hello   initiator -> responder   its one-time public key
 //   offer   responder -> initiator   its own, and the initiator's again
 //   accept  initiator -> responder   both, and a proof that it has the keys that follow from them
 //
-// Each begins with a code under the lab key, so a flood costs one keyed hash per datagram; only who answers a fresh offer costs
-// an X25519. docs/security.md says what follows from this.
+// Each begins with a code under the lab key, so a flood costs one keyed hash per datagram. Only an answer to a fresh
+// offer costs an X25519. docs/security.md lists the consequences.
 #pragma once
 
 #include <array>

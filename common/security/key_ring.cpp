@@ -115,7 +115,7 @@ void KeyRing::tick(SessionTime now) {
     next_renewal_ = now + times_.grace;  // the new keys are on their way
 }
 
-// A session repeats itself until it has our receipt; what it said before is not taken again, or replays could follow.
+// The session repeats a grant until it has the receipt. Grants of earlier epochs are refused: they may be replays.
 void KeyRing::take(const KeyGrant& grant) {
     const bool other_session = !holds_ || grant.session != grant_.session;
     if (!other_session && grant.epoch < grant_.epoch) return;

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <optional>
@@ -13,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/own_program.hpp"
 #include "common/text_file.hpp"
 
 namespace thimble {
@@ -23,20 +23,15 @@ constexpr std::size_t kBase64Bytes = sodium_base64_ENCODED_LEN(kKeyBytes, sodium
 constexpr std::size_t kLineBytes = kWord.size() + kBase64Bytes;  // with the newline where base64's 0 would be
 using Line = std::array<char, kLineBytes + 1>;
 
-std::string_view environment(const char* name) {
-    const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets it
-    return value == nullptr ? std::string_view{} : value;
-}
-
 // How messages name a key, and how its owner gets another one.
 struct KeyKind {
     const char *name, *anew;
 };
 constexpr KeyKind kLab{"lab key", "make one with 'thimble keygen', and copy it to each machine"},
-    kUser{"user key", "remove it, and the next program makes another one"};
+    kUser{"user key", "remove it, and the next program makes a new one"};
 
 std::filesystem::path home(const char* remedy) {
-    const std::string_view folder = environment("HOME");
+    const std::string folder = environment_text("HOME");
     if (folder.empty()) throw Error(ExitCode::kUsage, "HOME names no folder for the key: {}", remedy);
     return folder;
 }
@@ -49,7 +44,7 @@ constexpr const char
 
 // Of the XDG base directories. The standard: a relative one is to be ignored.
 std::filesystem::path own_folder(const char* variable, const char* below_home, const char* remedy) {
-    const std::string_view folder = environment(variable);
+    const std::string folder = environment_text(variable);
     const bool usable = !folder.empty() && folder.front() == '/';
     return (usable ? std::filesystem::path(folder) : home(remedy) / below_home) / "thimble";
 }
@@ -58,7 +53,7 @@ void wipe(Line& line) { sodium_memzero(line.data(), line.size()); }
 
 // systemd makes the file readable for this service alone: it is root's, with an access list that counts as a group.
 bool is_credential(const std::filesystem::path& path, const struct stat& found) {
-    const std::string_view folder = environment("CREDENTIALS_DIRECTORY");
+    const std::string folder = environment_text("CREDENTIALS_DIRECTORY");
     const bool readable_only = (found.st_mode & 07777U) == 0440 || (found.st_mode & 07777U) == 0400;
     return !folder.empty() && path.parent_path() == folder && found.st_uid == 0 && readable_only;
 }
@@ -69,14 +64,14 @@ void check_owner_alone(const std::filesystem::path& path, const struct stat& fou
     if (is_credential(path, found)) return;
     if (found.st_uid != geteuid()) {
         throw Error(ExitCode::kUsage,
-                    "the {} '{}' belongs to somebody else: copy it into a file of your own, or chown it",
+                    "the {} '{}' belongs to another user: copy it to a file of your own, or chown it",
                     kind.name, path.string());
     }
     if ((found.st_mode & 07777U) == 0600 || (found.st_mode & 07777U) == 0400) return;
-    throw Error(ExitCode::kUsage,
-                "the {2} '{0}' may be read or changed by others (mode {1:04o}): chmod 600 '{0}'; if "
-                "others had access: {3}",
-                path.string(), found.st_mode & 07777U, kind.name, kind.anew);
+    throw Error(
+        ExitCode::kUsage,
+        "other users may read or change the {2} '{0}' (mode {1:04o}): chmod 600 '{0}'; if they did: {3}",
+        path.string(), found.st_mode & 07777U, kind.name, kind.anew);
 }
 
 std::optional<LabKey> parse_line(const Line& line, std::size_t size) {
@@ -133,7 +128,7 @@ LabKey read_key(const std::filesystem::path& path, const KeyKind& kind) {
     wipe(line);
     if (!key) {
         throw Error(ExitCode::kData,
-                    "'{}' holds no {}: one line '{}BASE64' is expected, as thimble keygen writes it; {}",
+                    "'{}' holds no {}: it must have one line '{}BASE64', as thimble keygen writes it; {}",
                     path.string(), kind.name, kWord, kind.anew);
     }
     return std::move(*key);
@@ -146,13 +141,13 @@ std::filesystem::path default_lab_key_file() {
 }
 
 std::filesystem::path lab_key_file(std::string_view setting) {
-    if (const std::string_view given = environment("CREDENTIALS_DIRECTORY"); !given.empty()) {
+    if (const std::string given = environment_text("CREDENTIALS_DIRECTORY"); !given.empty()) {
         auto credential = std::filesystem::path(given) / "lab.key";
         if (access(credential.c_str(), F_OK) == 0) return credential;
     }
     if (setting.starts_with("~/")) return home(kNameAFile) / setting.substr(2);
     if (!setting.empty()) return setting;
-    const std::string_view named = environment("THIMBLE_LAB_KEY_FILE");
+    const std::string named = environment_text("THIMBLE_LAB_KEY_FILE");
     return named.empty() ? default_lab_key_file() : std::filesystem::path(named);
 }
 
@@ -164,7 +159,7 @@ void create_lab_key(const std::filesystem::path& path, const RandomBytes& random
     throw Error(
         ExitCode::kData, "{}",
         error == EEXIST
-            ? fmt::format("'{}' exists, and a key is never overwritten: name another file, or move it away",
+            ? fmt::format("'{}' exists, and a key is never overwritten: name another file, or move this one",
                           path.string())
             : fmt::format("cannot make '{}': {}", path.string(), std::strerror(error)));
 }

@@ -16,7 +16,7 @@ namespace thimble {
 // Which counters have been accepted: each at most once, none that is too old to know. The ring of RFC 6479.
 class ReplayWindow {
   public:
-    // So far behind the newest a counter may come and still be judged.
+    // The oldest counter that can still be judged, relative to the newest.
     static constexpr std::uint64_t kReach = 1984;
 
     // Counters begin with 1.

@@ -12,7 +12,8 @@ RandomBytes system_random_bytes() {
 }
 
 void prepare_security() {
-    if (sodium_init() < 0) throw Error(ExitCode::kRunFailed, "libsodium cannot start: no randomness here?");
+    if (sodium_init() < 0)
+        throw Error(ExitCode::kRunFailed, "libsodium cannot start: is there a source of random numbers?");
 }
 
 void wipe(std::span<std::uint8_t> bytes) { sodium_memzero(bytes.data(), bytes.size()); }

@@ -8,7 +8,8 @@
 namespace thimble {
 namespace {
 
-// Then it says hello again: the offer may be of a session that is gone. The answer may also be long under way, so its keys stay.
+// Then it starts again: the offer may be of a session that is gone. The keys stay, because the answer may still be
+// under way.
 constexpr int kMostAccepts = 3;
 constexpr Duration kForeignAnswerPeriod = std::chrono::milliseconds{250};
 
@@ -92,7 +93,7 @@ Bytes SecurePair::judge(Bytes datagram) {
 Bytes SecurePair::open_sealed(const SealHeader& header, Bytes datagram) {
     const bool proves = pending_.valid && pending_.opener.knows(header);
     Opener* const opener = proves ? &pending_.opener : in_.find(header);
-    // About keys only the newest handshake may speak: what was held back from before it must not bring old keys in again.
+    // Only the newest handshake may carry grants: a delayed one must not bring old keys back.
     const bool too_old = opener == &in_.before && header.kind == PacketKind::kKeys;
     if (opener == nullptr || too_old) {
         ++counters_.no_key;
@@ -102,7 +103,7 @@ Bytes SecurePair::open_sealed(const SealHeader& header, Bytes datagram) {
     if (!size) return {};
     heard_ = now_;
     if (opener == &in_.now && opener->is_newest(header)) wire_->follow();
-    if (proves) {  // the first word under the new keys: the other side has them
+    if (proves) {  // the first message under the new keys: the peer has them
         in_.before = in_.now;
         in_.now = pending_.opener;
         establish(pending_.keys.initiator_to_responder);
@@ -161,7 +162,7 @@ void SecurePair::take_offer(const HandshakeMessage& offer) {
 
 void SecurePair::take_accept(const HandshakeMessage& accept, Bytes datagram) {
     if (established() && accept.own == peer_key_ && accept.other == agreed_own_) {
-        send_sealed(PacketKind::kKeys, {});  // our first word was lost
+        send_sealed(PacketKind::kKeys, {});  // our first message was lost
         return;
     }
     std::optional<AgreedKeys> keys;

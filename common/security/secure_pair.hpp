@@ -50,7 +50,7 @@ class SecurePair final : public Channel {
     bool silent(SessionTime now) const { return now - heard_ > times_.silent; }
     void renew() { renewal_wanted_ = true; }
     Role peer() const { return owner(ends_.remote); }
-    // Why there are no keys, of an end that has none: for words, never for a decision.
+    // The reason for missing keys, for messages to the user only.
     PairTrouble trouble() const;
     const SecurityCounters& counters() const { return counters_; }
 

@@ -94,8 +94,8 @@ std::string Security::complaint() const {
     std::string text;
     if (const std::string names = peers_with(PairTrouble::kWrongLabKey); !names.empty())
         text = "wrong lab key or another rig: " + names +
-               " uses another one than this program; give both the same [security] (mode, key_file, rig) and "
-               "[network] (hosts, base_port); in mode \"user-key\" start both as the same user "
+               " uses another key than this program: give both the same [security] (mode, key_file, rig) and "
+               "[network] (hosts, base_port); with mode \"user-key\" start both as the same user "
                "(docs/security.md)";
     if (const std::string names = peers_with(PairTrouble::kUnsealed); !names.empty())
         text += (text.empty() ? "" : "; ") + names +

@@ -27,17 +27,19 @@ inline SecuritySettings read_security_settings(const ConfigFile& file) {
     const ConfigTable table = file.table("security");
     SecuritySettings settings;
     table.read("mode", settings.mode, kSecurityModes,
-               "user-key and lab-key seal every datagram; user-key is for one user on one machine and needs "
-               "nothing. none: anybody there may move the needle.");
-    table.read(
-        "key_file", settings.key_file,
-        "The same path on every machine; empty: THIMBLE_LAB_KEY_FILE, else ~/.config/thimble/lab.key.");
+               "user-key and lab-key protect every datagram; user-key works for one user on one machine and "
+               "needs no setup. none: anybody on the network can move the needle.");
+    table.read("key_file", settings.key_file,
+               "Key file, with the same path on every machine; empty: THIMBLE_LAB_KEY_FILE, else "
+               "~/.config/thimble/lab.key.");
     table.read("allow_unprotected_network", settings.allow_unprotected_network,
-               "With mode = \"none\" said as well, datagrams may leave this machine, a device's own too.");
+               "Allow unprotected datagrams to leave this machine, with mode = \"none\"; also for a device "
+               "on the network.");
     table.read("rig", settings.rig,
-               "Name of this rig; programs of two rigs never talk, under one key too. Empty: the hosts.");
+               "Name of this rig; programs of two rigs never talk, even with the same key. Empty: the hosts' "
+               "names.");
     if (!settings.key_file.empty() && settings.mode != SecurityMode::kLabKey)
-        table.fail("key_file", "is of no use without mode = \"lab-key\"");
+        table.fail("key_file", "has an effect with mode = \"lab-key\" only");
     return settings;
 }
 

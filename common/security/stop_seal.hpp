@@ -1,9 +1,11 @@
-// An end of a stop bus, protected. Everybody speaks to everybody there, also who is in no session (thimble stop), so it has no
-// session's keys but a code under the lab key itself: 'T' 'S' | text | code, 16 bytes, keyed BLAKE2b of the way, the port and
-// all before it. The way: what is said to a program, or what it answers, so that a stop that was overheard is nobody's answer.
+// One end of a stop bus, authenticated. Programs outside every session (thimble stop) use it too, so its key is the
+// lab key itself.
+//     'T' 'S' | text | code
+// The code is 16 bytes: keyed BLAKE2b of the direction, the port and all bytes before it.
+// The direction tells questions from answers, so that a recorded stop cannot pass for an answer.
 //
-// A recorded stop stops again whenever it is played, which jamming does as well. A recorded release passes here, and lets go of the
-// one stop that it names and nothing else, wherever it is played (stop_bus.hpp): there is no clock to be wrong.
+// A recorded stop can be replayed; jamming has the same effect. A recorded release can be replayed too, but it
+// releases only the one stop that it names (stop_bus.hpp). No check needs a clock.
 #pragma once
 
 #include <algorithm>
@@ -57,7 +59,7 @@ class StopSeal final : public Channel {
         return code;
     }
 
-    // Empty for a text that fits no datagram.
+    // Empty if the text is too long for a datagram.
     Bytes seal(Bytes datagram, std::string_view way) {
         if (datagram.size() > kMaxDatagramBytes - kHeaderBytes - kCodeBytes) {
             ++counters_.not_sent;

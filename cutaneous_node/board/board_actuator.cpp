@@ -16,20 +16,23 @@ bool is_board(const HidDevice& device) {
     return device.usage_page == kBoardUsagePage && device.usage == kBoardUsage;
 }
 
-// In the order of Trouble after those of BoardFault.
+// Texts in the order of Trouble, which follows BoardFault.
 constexpr std::array<std::string_view, 10> kTroubles{
     "",
-    "fingertip board: over-current, it has let go; look for a jammed cable, then plug it in anew",
-    "fingertip board: over-temperature, it has let go; let it cool down",
-    "fingertip board: its force sensor fails, it has let go; check the sensor's wires, then plug it in anew",
-    "fingertip board: its supply fails, it has let go; check the supply's voltage",
-    "fingertip board: its calibration is lost, it has let go; plug it in anew with both fingers out",
-    "fingertip board: a fault of its own (docs/board-protocol.md, code 255), it has let go; plug it in anew",
-    "fingertip board: not plugged in, or this user may not open it; plug it in, and ask thimble doctor",
-    "fingertip board: no good report for 100 ms, or always the same; plug it in anew, and check its "
-    "firmware's report rate, CRC and sequence",
-    "fingertip board: it speaks another version of docs/board-protocol.md; load firmware of version 1 into "
-    "it"};
+    "fingertip board: over-current, so it released the finger; look for a jammed cable, then unplug it and "
+    "plug it in again",
+    "fingertip board: over-temperature, so it released the finger; let it cool down",
+    "fingertip board: its force sensor failed, so it released the finger; check the sensor's wires, then "
+    "unplug it and plug it in again",
+    "fingertip board: its supply failed, so it released the finger; check the supply voltage",
+    "fingertip board: its calibration is lost, so it released the finger; take both fingers out, unplug it "
+    "and plug it in again",
+    "fingertip board: it reports an internal fault (docs/board-protocol.md, code 255), so it released the "
+    "finger; unplug it and plug it in again",
+    "fingertip board: not plugged in, or this user may not open it; plug it in, and run thimble doctor",
+    "fingertip board: no valid report for 100 ms, or always the same one; unplug it and plug it in again, "
+    "and check report rate, CRC and sequence in its firmware",
+    "fingertip board: it uses another version of docs/board-protocol.md; load firmware of version 1 into it"};
 
 }  // namespace
 
@@ -80,12 +83,12 @@ std::optional<std::size_t> BoardActuator::choose(const std::vector<HidDevice>& p
     if (found.size() == 1) return found.front();
     if (found.empty()) {
         trouble =
-            "no fingertip board is plugged in (usage page ff54, docs/board-protocol.md): it is looked for "
-            "each second";
+            "no fingertip board is plugged in (usage page ff54, docs/board-protocol.md): plug one in; "
+            "thimble looks for it once a second";
     } else {
-        trouble = fmt::format(
-            "two fingertip boards, {} and {}: name one with [cutaneous.board] device_id or serial",
-            to_string(present[found[0]]), to_string(present[found[1]]));
+        trouble =
+            fmt::format("two fingertip boards, {} and {}: name one in [cutaneous.board] device_id or serial",
+                        to_string(present[found[0]]), to_string(present[found[1]]));
     }
     return std::nullopt;
 }
@@ -115,7 +118,7 @@ bool BoardActuator::turn(SessionTime now, HidLink& link) {
 
 void BoardActuator::take(SessionTime now, std::span<const std::uint8_t> report) {
     if (const auto status = decode_board_status(report)) {
-        // A board that repeats its report while it gets new commands has stopped, or hears nothing.
+        // An unchanged report after new commands means that the board hangs.
         const std::uint8_t told = written_.sequence;
         if (status->sequence == told || status->sequence != echoed_) heard_ = now;
         echoed_ = status->sequence;

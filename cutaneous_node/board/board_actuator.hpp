@@ -1,7 +1,7 @@
 // A fingertip board on USB (docs/board-protocol.md). Two halves: the node's loop commands and asks, never waiting; the
 // device's thread (HidConnection) writes the newest command and reads statuses.
 //
-// Nothing presses without somebody: the board goes slack by itself 50 ms after the last good command, and the thread stops
+// No force outlives its sender: the board goes slack by itself 50 ms after the last good command, and the thread stops
 // asking it to press once the node's loop has been silent for kLoopSilence.
 #pragma once
 
@@ -37,7 +37,7 @@ class BoardActuator final : public FingertipActuator, public HidUser {
     void command(SessionTime now, Finger finger, double force_N) override;
     FingertipForce output(SessionTime now) override;
     void release(SessionTime now) override;
-    // It stays on the hand that wears it; its life is the thread's.
+    // A worn device stays on its hand. The thread keeps it connected.
     void use_hand(SessionTime /*now*/, Hand /*hand*/) override {}
     void tick(SessionTime /*now*/) override {}
     SessionTime next_wakeup() const override { return kNever; }

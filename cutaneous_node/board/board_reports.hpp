@@ -1,5 +1,6 @@
-// Reports between this computer and a fingertip board of your own making, as bytes and as values. docs/board-protocol.md is
-// the same in words, for whoever writes the board's side. Both directions stand here, so that tests can be a board.
+// Reports between this computer and a fingertip board of your own making, as bytes and as values.
+// docs/board-protocol.md describes them for the board's side. Both directions are here, so that tests can emulate a
+// board.
 #pragma once
 
 #include <array>

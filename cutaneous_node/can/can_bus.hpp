@@ -21,7 +21,7 @@ struct CanFrame {
     std::uint32_t id = 0;
     std::uint8_t length = 0;
     std::array<std::uint8_t, 8> data{};
-    // A bus that may bring a frame after a later one counts up here; on a wire all are equal.
+    // Increases along the order of sending, for a bus that may deliver out of order; equal for all frames of a wire.
     std::uint64_t order = 0;
 
     bool operator==(const CanFrame& other) const {
@@ -59,7 +59,7 @@ class CanBus : boost::noncopyable {
     virtual void flush() = 0;
     // False: none is there. Error frames come too, with kCanError.
     virtual bool receive(SessionTime now, CanFrame& frame) = 0;
-    // The interface itself is gone; what is wrong on the wire comes as error frames.
+    // True if the interface is gone. Errors on the wire come as error frames.
     virtual bool down() const = 0;
     const CanCounters& counters() const { return counters_; }
 

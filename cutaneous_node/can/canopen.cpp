@@ -107,7 +107,7 @@ const char* emergency_text(std::uint16_t code) {
                                                       {0x7320, "position sensor"},
                                                       {0x8110, "CAN overrun"},
                                                       {0x8120, "CAN error-passive"},
-                                                      {0x8130, "it misses the master's heartbeat"},
+                                                      {0x8130, "the master's heartbeat is missing"},
                                                       {0x8210, "process data of a wrong length"},
                                                       {0x8611, "following error"}}};
     return text_of(code, kTexts);
@@ -119,16 +119,17 @@ std::optional<Sdo> read_sdo_request(const CanFrame& frame) { return read_sdo(kCl
 std::optional<Sdo> read_sdo_reply(const CanFrame& frame) { return read_sdo(kServer, frame); }
 
 const char* abort_text(std::uint32_t code) {
-    static constexpr std::array kTexts{abort_row(SdoAbort::kTimeout, "timeout"),
-                                       abort_row(SdoAbort::kUnknownCommand, "unknown command"),
-                                       abort_row(SdoAbort::kReadOnly, "read-only"),
-                                       abort_row(SdoAbort::kNoObject, "no such object"),
-                                       abort_row(SdoAbort::kCannotMap, "cannot be mapped"),
-                                       abort_row(SdoAbort::kMapTooLong, "mapped data too long"),
-                                       abort_row(SdoAbort::kLength, "length of the value"),
-                                       abort_row(SdoAbort::kNoSubIndex, "no such sub-index"),
-                                       abort_row(SdoAbort::kValue, "value out of range"),
-                                       abort_row(SdoAbort::kDeviceState, "not in this state of the drive")};
+    static constexpr std::array kTexts{
+        abort_row(SdoAbort::kTimeout, "timeout"),
+        abort_row(SdoAbort::kUnknownCommand, "unknown command"),
+        abort_row(SdoAbort::kReadOnly, "read-only"),
+        abort_row(SdoAbort::kNoObject, "no such object"),
+        abort_row(SdoAbort::kCannotMap, "cannot be mapped"),
+        abort_row(SdoAbort::kMapTooLong, "mapped data too long"),
+        abort_row(SdoAbort::kLength, "wrong length of the value"),
+        abort_row(SdoAbort::kNoSubIndex, "no such sub-index"),
+        abort_row(SdoAbort::kValue, "value out of range"),
+        abort_row(SdoAbort::kDeviceState, "not allowed in this state of the drive")};
     return text_of(code, kTexts);
 }
 

@@ -6,7 +6,7 @@
 namespace thimble {
 namespace {
 
-constexpr std::uint8_t kNobody = 0xff;
+constexpr std::uint8_t kNoLink = 0xff;
 constexpr int kFullCycles = 5;
 
 }  // namespace
@@ -14,10 +14,10 @@ constexpr int kFullCycles = 5;
 CanopenMaster::CanopenMaster(const CanMasterSettings& settings, CanBus& bus)
     : settings_(settings), bus_(&bus) {
     assert(settings.cycle > Duration::zero());
-    link_of_.fill(kNobody);
+    link_of_.fill(kNoLink);
     links_.reserve(settings_.nodes.size());
     for (std::size_t i = 0; i < settings_.nodes.size(); ++i) {
-        assert(settings_.nodes[i] > 0 && settings_.nodes[i] < 127 && link_of_[settings_.nodes[i]] == kNobody);
+        assert(settings_.nodes[i] > 0 && settings_.nodes[i] < 127 && link_of_[settings_.nodes[i]] == kNoLink);
         links_.emplace_back(settings_, i);
         link_of_[settings_.nodes[i]] = static_cast<std::uint8_t>(i);
     }
@@ -65,7 +65,7 @@ void CanopenMaster::take(SessionTime now, const CanFrame& frame) {
     }
     if ((frame.id & (kCanExtended | kCanRemote)) != 0) return;
     const std::uint8_t link = link_of_[cob_node(frame.id)];
-    if (link != kNobody) links_[link].on_frame(now, frame, *bus_);
+    if (link != kNoLink) links_[link].on_frame(now, frame, *bus_);
 }
 
 void CanopenMaster::look_at_answers(SessionTime now) {
@@ -97,7 +97,7 @@ void CanopenMaster::cycle(SessionTime now) {
     watch_queue(now);
 }
 
-// A full queue loses the last frame of each cycle, the SYNC: every drive lives, and none moves.
+// A full queue drops the SYNC first, the last frame of a cycle: drives stay alive but do not move.
 void CanopenMaster::watch_queue(SessionTime now) {
     const std::uint64_t failed = bus_->counters().send_failed;
     full_ = failed > send_failed_ ? full_ + 1 : 0;

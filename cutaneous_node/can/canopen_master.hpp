@@ -1,5 +1,5 @@
-// Master of the drives on one bus: brings all of them up, then exchanges targets and measurements by SYNC, and lets every cable
-// go slack in the tick in which anything is wrong with one of them.
+// Master of the drives on one bus: starts all of them, then exchanges targets and measurements by SYNC. If one of
+// them fails, every cable goes slack in the same tick.
 #pragma once
 
 #include <boost/core/noncopyable.hpp>
@@ -24,11 +24,11 @@ class CanopenMaster : boost::noncopyable {
     std::size_t drives() const { return links_.size(); }
     const DriveLink& drive(std::size_t i) const { return links_[i]; }
     void set_target(std::size_t i, std::int32_t target) { links_[i].set_target(target); }
-    // The first one; it stays.
+    // The first fault; later ones do not replace it.
     const std::optional<DriveFault>& fault() const { return fault_; }
-    // Something that only the caller sees. Slack at once.
+    // A fault that the caller has found. Cables go slack at once.
     void fail(SessionTime now, const DriveFault& fault);
-    // No torque and no voltage, said twice, and the network stopped: before the program ends.
+    // Before the program ends: orders no torque and no voltage, twice, and stops the network.
     void stop();
 
     std::uint64_t cycles() const { return cycles_; }
@@ -50,7 +50,7 @@ class CanopenMaster : boost::noncopyable {
     CanMasterSettings settings_;
     CanBus* bus_;
     std::vector<DriveLink> links_;
-    std::array<std::uint8_t, 128> link_of_{};  // by node id; kNobody
+    std::array<std::uint8_t, 128> link_of_{};  // by node id; kNoLink
     std::optional<DriveFault> fault_;
     bool begun_ = false;
     bool waiting_ = false;  // for answers to the last SYNC

@@ -12,32 +12,29 @@ namespace {
 
 // By DriveFaultKind. {means}: the code in words.
 constexpr std::array<const char*, 20> kFaultTexts{
-    "{device}: no boot-up on {bus} after its reset; is it powered, wired, terminated, and is that its node "
-    "id "
-    "and bit rate?",
+    "{device}: no boot-up message on {bus} after its reset; check its power, wiring and termination, its "
+    "node id and the bit rate",
     "{device}: no answer to '{step}'; check cable and termination of {bus}",
-    "{device}: refused '{step}' with SDO abort {code:#010x} ({means}); does its firmware know CiA 402?",
-    "{device}: device type {code:#010x} is no CiA 402 drive; check the node ids",
-    "{device}: its modes {code:#x} lack the one asked for; set [cutaneous.drives] mode",
+    "{device}: rejected '{step}' with SDO abort {code:#010x} ({means}); does its firmware support CiA 402?",
+    "{device}: device type {code:#010x} is not a CiA 402 drive; check the node ids",
+    "{device}: its modes {code:#x} do not include the requested one; set [cutaneous.drives] mode",
     "{device}: rated torque (0x6076) is 0; set the motor's data in the drive",
-    "{device}: stays at '{means}' at the step '{step}'; look at its error (0x603F) and its power stage",
-    "{device}: the cable does not get taut; is the device worn, the cable on its pulley, the sign (reversed) "
-    "right?",
-    "{device}: heartbeat lost; check its power and the cable of {bus}",
-    "{device}: lives, but sends no process data; is {bus} overloaded (longer cycle_s)?",
-    "{device}: process data of {code} bytes, not 8; has something else changed its mapping?",
+    "{device}: stays in state '{means}' at the step '{step}'; look at its error (0x603F) and its power stage",
+    "{device}: the cable does not become taut; is the device on the finger, the cable on its pulley, the "
+    "direction (reversed) right?",
+    "{device}: its heartbeat is lost; check its power and the cable of {bus}",
+    "{device}: it runs, but sends no process data; is {bus} overloaded (use a longer cycle_s)?",
+    "{device}: process data of {code} bytes, not 8; has another program changed its mapping?",
     "{device}: EMCY {code:#06x} ({means}); remove the cause, then start again",
     "{device}: has restarted, or a second device has its node id; check the supply, then start again",
     "{device}: two devices have this node id; give one of them another",
-    "{device}: left operation, now '{means}'; look at its error (0x603F), then start again",
-    "{device}: the cable is slack or torn, or the device came off; check it, then start again",
-    "no device for a finger that this trial presses; name its drives in [cutaneous.drives], or choose "
-    "another "
-    "modality",
+    "{device}: left normal operation, its state is '{means}'; look at its error (0x603F), then start again",
+    "{device}: the cable is slack or broken, or the device came off the finger; check it, then start again",
+    "there is no device for a finger that this trial presses; name its drives in [cutaneous.drives], or "
+    "choose another modality",
     "{bus}: bus-off; check termination, bit rate and cables, then set the interface down and up",
     "{bus}: the interface is gone or down; 'ip link set {bus} up', then start again",
-    "{bus}: frames cannot be sent, its queue is full; 'ip link set {bus} txqueuelen 100', or is it not "
-    "connected?"};
+    "{bus}: cannot send, its queue is full; is the bus connected? Else 'ip link set {bus} txqueuelen 100'"};
 
 const char* meaning(const DriveFault& f) {
     switch (f.kind) {

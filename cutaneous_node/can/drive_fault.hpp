@@ -8,7 +8,7 @@
 namespace thimble {
 
 enum class DriveFaultKind : std::uint8_t {
-    // while the drives are brought up; `step` says where
+    // during start-up of the drives; `step` names the step
     kNoBootUp,
     kNoAnswer,      // to an SDO
     kAborted,       // an SDO; code: why

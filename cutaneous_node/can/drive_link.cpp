@@ -41,7 +41,7 @@ void DriveLink::plan() {
     steps_.push_back({"rated torque 0x6076", {SdoKind::kRead, {0x6076, 0}}, Check::kRatedTorque});
     write("consumer heartbeat 0x1016", {0x1016, 1}, std::uint32_t{settings_->master_node} << 16U | silent_ms,
           4);
-    // A third: two may be late or lost.
+    // A third of the limit: two heartbeats may be late or lost.
     write("producer heartbeat 0x1017", {0x1017, 0}, std::max(silent_ms / 3, 1U), 2);
     write("abort connection 0x6007", {0x6007, 0}, 2, 2);  // disable voltage
     write("fault reaction 0x605E", {0x605e, 0}, 0, 2);    // the same
@@ -183,7 +183,7 @@ bool DriveLink::checked(const Step& step, std::uint32_t value) {
 void DriveLink::on_emergency(const CanFrame& frame) {
     const auto emergency = read_emergency(frame);
     if (!emergency || emergency->code == 0) return;
-    // Before that it may be an old error, which enabling resets.
+    // Before operation it may be an old error, which enabling resets.
     if (stage_ == Stage::kOperate) fail(DriveFaultKind::kEmergency, emergency->code);
 }
 
@@ -219,7 +219,7 @@ void DriveLink::on_data(SessionTime now, const CanFrame& frame) {
 
 void DriveLink::check_silence(SessionTime now) {
     if (now - heartbeat_ > settings_->silent_after) fail(DriveFaultKind::kHeartbeatLost);
-    // Twice: whoever is quite silent has lost the heartbeat too, and that says more.
+    // Twice the limit: a drive that is silent altogether loses its heartbeat first, which is the better message.
     if (now - data_ > 2 * settings_->silent_after) fail(DriveFaultKind::kDataLost);
 }
 
@@ -234,7 +234,8 @@ void DriveLink::tick(SessionTime now, CanBus& bus) {
             return;
         case Stage::kSettle:
             if (passed < kSettleTime) return;
-            // A drive that was switched on just then says so once more. Two devices do it after every reset.
+            // A drive that has just been switched on repeats its boot-up once. Two devices with one node id repeat it
+            // after every reset.
             if (boot_ups_ > 1 && ++resets_ == kDoubtfulResets) return fail(DriveFaultKind::kDuplicate);
             if (boot_ups_ > 1) return begin(now, bus);
             enter(now, Stage::kConfigure);
@@ -274,7 +275,7 @@ void DriveLink::on_sync(SessionTime now) {
     sync_ = now;
     unanswered_ = !answered_;
     answered_ = false;
-    // Nor are those that come at once after a silence that is none yet.
+    // Answers that arrive together after a short silence are late ones of this drive, too.
     owed_ = std::min(owed_ + 1, std::max(kMostOwed, 2 * settings_->silent_after / settings_->cycle));
 }
 

@@ -9,7 +9,6 @@
 #include "cutaneous_node/can/canopen.hpp"
 #include "cutaneous_node/can/cia402.hpp"
 #include "cutaneous_node/can/drive_fault.hpp"
-#include "cutaneous_node/can/master_settings.hpp"
 
 namespace thimble {
 
@@ -27,7 +26,7 @@ class DriveLink {
 
     void begin(SessionTime now, CanBus& bus);
     void on_frame(SessionTime now, const CanFrame& frame, CanBus& bus);
-    // Time limits, and what is asked again.
+    // Checks time limits and repeats requests.
     void tick(SessionTime now, CanBus& bus);
     // Right before a SYNC. `slack`: no voltage, no torque.
     void send_target(CanBus& bus, bool slack);
@@ -39,7 +38,7 @@ class DriveLink {
     bool exchanges() const { return stage_ == Stage::kEnable || stage_ == Stage::kOperate; }
     bool awaits_answer() const { return exchanges() && !answered_; }
     const DriveFeedback& feedback() const { return feedback_; }
-    // When the newest SYNC went out the one before had no answer yet, and there has been none since.
+    // The SYNC before the newest one has no answer yet.
     bool unanswered() const { return unanswered_; }
     std::uint32_t rated_torque() const { return rated_torque_; }  // 0x6076, in the drive's unit
     const std::optional<DriveFault>& fault() const { return fault_; }

@@ -36,7 +36,7 @@ SocketCanBus::SocketCanBus(const std::string& interface) {
     socket_ = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
     if (socket_ < 0) {
         no_bus(interface,
-               "this kernel has no CAN sockets (modprobe can-raw); a bus elsewhere can be reached by "
+               "this kernel has no CAN sockets (modprobe can-raw); a bus elsewhere can be reached with "
                "cannelloni");
     }
     try {

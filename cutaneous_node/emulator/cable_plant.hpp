@@ -1,4 +1,5 @@
-// The load of an emulated drive: motor and gear, one of the three cables of a fingertip device, and a third of the pad. In coordinates of the cable (drawn in: positive):
+// The load of an emulated drive: motor and gear, one of the three cables of a fingertip device, and a third of the
+// pad. In coordinates of the cable (drawn in: positive):
 //   m dv/dt = T_motor - T_cable - c v,   3 T_cable cos a = F_pad(x cos a),   x beyond the loose part
 // and a first-order lag from the torque asked to the torque made. What the gear loses is in the efficiency of `cable`, both ways alike:
 // the torque that a drive shows is its motor's. All numbers are assumptions about motors of 6 mm.

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <iterator>
 #include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
+
+#include "common/decimal_text.hpp"
 
 namespace thimble {
 namespace {
@@ -34,11 +35,7 @@ constexpr std::array<std::pair<std::string_view, void (DriveEmulator::*)()>, 6> 
 std::optional<std::uint32_t> whole_number(std::string_view text) {
     const bool hexadecimal = text.substr(0, 2) == "0x";
     if (hexadecimal) text.remove_prefix(2);
-    std::uint32_t value = 0;
-    const char* const end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data(), end, value, hexadecimal ? 16 : 10);
-    if (error != std::errc{} || stop != end) return std::nullopt;
-    return value;
+    return parse_whole<std::uint32_t>(text, hexadecimal ? 16 : 10);
 }
 
 CanFrame error_frame(std::uint32_t id, std::uint8_t controller) {
@@ -127,7 +124,7 @@ std::string EmulatedDrives::obey(SessionTime now, std::string_view line) {
             if (const auto number = whole_number(words[i])) numbers.push_back(*number);
         }
         if (drive == nullptr || numbers.size() + 2 != words.size() || !obey(now, *drive, words[0], numbers)) {
-            return fmt::format("'{}': no such command, no such drive, or a number is missing", line);
+            return fmt::format("'{}': unknown command or drive, or a number is missing", line);
         }
     }
     bus_->flush();

@@ -1,4 +1,4 @@
-// The drives on one bus, as a process of their own, and the words that make things go wrong with them.
+// The drives on one bus as a process, and text commands that cause faults in them.
 #pragma once
 
 #include <string>
@@ -52,18 +52,17 @@ class EmulatedDrives final : public Process {
 };
 
 inline constexpr const char* kFaultWords =
-    "  emcy NODE CODE            an error of the drive, e.g. emcy 3 0x2310 (over-current)\n"
-    "  reboot NODE               its supply dips\n"
-    "  silence NODE              it freezes: hears and says nothing\n"
-    "  no-heartbeat NODE         all goes on but its heartbeat\n"
-    "  no-data NODE              all goes on but its process data\n"
-    "  short-data NODE           its process data is two bytes short\n"
+    "  emcy NODE CODE            the drive reports an error, e.g. emcy 3 0x2310 (over-current)\n"
+    "  reboot NODE               its supply fails for a moment\n"
+    "  silence NODE              it hangs: receives and sends nothing\n"
+    "  no-heartbeat NODE         it stops sending its heartbeat only\n"
+    "  no-data NODE              it stops sending its process data only\n"
+    "  short-data NODE           its process data are two bytes short\n"
     "  duplicate NODE            a second device has its node id\n"
     "  refuse NODE INDEX [SUB]   SDO abort 'no such object' from now on, e.g. refuse 3 0x6060\n"
-    "  cut NODE                  its cable tears\n"
-    "  bus-off                   the controller withdraws (an error frame; nothing is heard or said any "
-    "more)\n"
-    "  bus-passive               the controller becomes error-passive (an error frame)\n"
+    "  cut NODE                  its cable breaks\n"
+    "  bus-off                   the controller leaves the bus (error frame; no more traffic)\n"
+    "  bus-passive               the controller becomes error-passive (error frame)\n"
     "  quit\n";
 
 }  // namespace thimble

@@ -16,6 +16,7 @@
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/udp_channel.hpp"
+#include "common/runtime/udp_socket.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
 #include "cutaneous_node/can/cannelloni.hpp"
@@ -28,8 +29,8 @@ namespace {
 using namespace thimble;
 
 struct EmulatorOptions {
-    std::string interface, peer = "127.0.0.1";
-    int port = 20000, peer_port = 0;
+    std::string interface, to;
+    int listen = 20000;
     bool slcan = false, lies = false;
     std::vector<int> nodes{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
     std::vector<std::string> faults, faults_when_pressed;
@@ -44,6 +45,14 @@ struct OpenBus {
     std::string name;
 };
 
+// Without --to the next port of this machine.
+Endpoint other_end(const EmulatorOptions& options) {
+    if (options.to.empty()) return {"127.0.0.1", static_cast<std::uint16_t>(options.listen + 1)};
+    Endpoint to = read_endpoint(options.to, "--to", "127.0.0.1");
+    UdpAddress::resolved(to.host, to.port, "give a known name or an IPv4 address to --to");
+    return to;
+}
+
 OpenBus open_bus_for(const EmulatorOptions& options) {
     OpenBus open;
     if (options.slcan) {
@@ -57,12 +66,10 @@ OpenBus open_bus_for(const EmulatorOptions& options) {
         open.name = options.interface;
         open.bus = std::move(can);
     } else {
-        const auto port = [](int number) { return static_cast<std::uint16_t>(number); };
-        open.channel = std::make_unique<UdpChannel>(
-            Endpoint{"0.0.0.0", port(options.port)},
-            Endpoint{options.peer, port(options.peer_port != 0 ? options.peer_port : options.port + 1)});
+        const auto port = static_cast<std::uint16_t>(options.listen);
+        open.channel = std::make_unique<UdpChannel>(Endpoint{"0.0.0.0", port}, other_end(options));
         open.descriptor = open.channel->file_descriptor();
-        open.name = fmt::format("UDP port {}", options.port);
+        open.name = fmt::format("UDP port {}", port);
         open.bus = std::make_unique<CannelloniBus>(*open.channel);
     }
     return open;
@@ -115,7 +122,7 @@ int run_emulator(const EmulatorOptions& options) {
     EmulatedDrives drives(nodes, PlantParameters{}, *open.bus);
     for (const std::string& fault : options.faults) {
         const std::string wrong = drives.obey(wall_now(), fault);
-        if (!wrong.empty()) throw Error(ExitCode::kUsage, "--fault " + wrong + "; --help lists them");
+        if (!wrong.empty()) throw Error(ExitCode::kUsage, "--fault " + wrong + ": --help lists the faults");
     }
     for (const std::string& fault : options.faults_when_pressed) {
         drives.obey_when_pressed(fault, from_seconds(options.after_s));
@@ -133,35 +140,39 @@ int main(int argc, char** argv) {
     return guarded_main("thimble-drive-emulator", [&] {
         EmulatorOptions options;
         CLI::App app(
-            "Motor drives (CANopen CiA 402) with cable and finger pad, on a CAN interface or in cannelloni's "
-            "UDP datagrams.",
+            "Emulates the motor drives (CANopen CiA 402) of a fingertip device, with cables and finger pads, "
+            "on a CAN interface or over UDP (cannelloni).",
             "thimble-drive-emulator");
-        app.add_option("--can", options.interface,
-                       "the interface, e.g. vcan0; without it cannelloni over UDP");
+        app.add_option("--can", options.interface, "CAN interface, e.g. vcan0; default: UDP");
         app.add_flag("--slcan", options.slcan,
-                     "make an interface: play an slcan adapter on a pseudo-terminal (root)");
+                     "make a CAN interface: act as an slcan adapter on a pseudo-terminal (needs root)");
         app.add_flag("--adapter-lies", options.lies,
-                     "with --slcan: nonsense between the frames, and some frames cut short")
+                     "send noise between the frames, and cut some frames short")
             ->needs("--slcan");
-        app.add_option("--port", options.port, "cannelloni: UDP port to listen at")
-            ->check(CLI::Range(1024, 65534));
-        app.add_option("--peer", options.peer, "cannelloni: host of the other end");
-        app.add_option("--peer-port", options.peer_port, "cannelloni: its port; without it --port + 1")
-            ->check(CLI::Range(1024, 65535));
-        app.add_option("--nodes", options.nodes, "node ids")->delimiter(',')->check(CLI::Range(1, 126));
-        app.add_option("--fault", options.faults, "from the start on, may be repeated");
+        app.add_option("--listen", options.listen, "UDP port that receives cannelloni's datagrams")
+            ->check(CLI::Range(1024, 65534))
+            ->type_name("PORT")
+            ->default_val(options.listen);
+        app.add_option("--to", options.to,
+                       "where cannelloni's datagrams go; default: this machine, the port after --listen")
+            ->type_name("HOST:PORT");
+        app.add_option("--nodes", options.nodes, "CANopen node ids of the drives, with commas")
+            ->delimiter(',')
+            ->check(CLI::Range(1, 126));
+        app.add_option("--fault", options.faults, "fault at the start; may be given several times");
         app.add_option("--fault-when-pressed", options.faults_when_pressed,
-                       "once a finger has been pressed for --after, may be repeated");
-        app.add_option("--after", options.after_s, "in seconds")->check(CLI::Range(0.0, 1000.0));
+                       "fault after a finger has been pressed for --after-s; may be given several times");
+        app.add_option("--after-s", options.after_s, "delay of --fault-when-pressed, s")
+            ->check(CLI::Range(0.0, 1000.0));
         app.set_version_flag("--version", std::string(kVersion));
-        app.footer(
-            std::string("Faults, also as lines on standard input:\n") + kFaultWords +
-            "\nExample:\n"
-            "  thimble-drive-emulator --port 20001 --peer-port 20000 --fault-when-pressed 'emcy 3 0x2310'\n"
-            "and in the session file:\n"
-            "  [cutaneous]\n  device = \"drives\"\n  [cutaneous.drives]\n  bus = "
-            "\"cannelloni:127.0.0.1:20001\"\n"
-            "\nExit codes: 0 ok, 1 failed, 2 usage, 3 no bus.");
+        app.footer(std::string("Faults; also read as lines from standard input:\n") + kFaultWords +
+                   "\nExample:\n"
+                   "  thimble-drive-emulator --listen 20001 --to 127.0.0.1:20000 --fault-when-pressed 'emcy "
+                   "3 0x2310'\n"
+                   "and in the session file:\n"
+                   "  [cutaneous]\n  device = \"drives\"\n  [cutaneous.drives]\n  bus = "
+                   "\"cannelloni:127.0.0.1:20001\"\n"
+                   "\nExit codes: 0 ok, 1 failed, 2 usage, 3 no bus.");
         if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
         return run_emulator(options);
     });

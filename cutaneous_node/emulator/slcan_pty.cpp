@@ -20,8 +20,9 @@ namespace thimble {
 namespace {
 
 [[noreturn]] void no_adapter(const char* what) {
-    throw Error(ExitCode::kNetwork, "cannot play a CAN adapter: {}: {}; it needs root and 'modprobe slcan'",
-                what, std::strerror(errno));
+    throw Error(ExitCode::kNetwork,
+                "cannot act as a CAN adapter: {}: {}; this needs root and 'modprobe slcan'", what,
+                std::strerror(errno));
 }
 
 // "tIIILDD..": standard data frames, which is all that CANopen sends.
@@ -67,7 +68,7 @@ SlcanPty::~SlcanPty() {
     close(adapter_);
 }
 
-// Nothing, too little, letters that are no digits, nine bytes, a kind of frame that is none, noise.
+// Distorts a line: empty, too short, no digits, nine bytes, an unknown kind of frame, noise.
 void SlcanPty::lie(std::string& line) {
     static constexpr std::array<const char*, 6> kNonsense{
         "\r", "t12\r", "tx8g8zz\r", "t1819112233445566778899\r", "q181\r", "\a\x01\xfe\r"};

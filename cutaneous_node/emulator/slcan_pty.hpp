@@ -15,7 +15,7 @@ class SlcanPty final : public CanBus {
     explicit SlcanPty(bool lies = false);
     ~SlcanPty() override;
 
-    // A data frame, or an error frame: bus-off and error-passive are told as an adapter tells them.
+    // Sends a data or error frame; bus-off and error-passive in the adapter's own form.
     void send(const CanFrame& frame) override;
     bool receive(SessionTime now, CanFrame& frame) override;
     void flush() override {}  // nothing waits

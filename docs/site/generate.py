@@ -54,10 +54,10 @@ def write_commands(programs, out):
 
 
 # Page, kind of thimble config reference, title, where there is more about the keys.
-KEY_PAGES = [('keys', 'session', 'Every key of a session file', '[session files](../session-files.md), [the network](../network.md#keys)'),
+KEY_PAGES = [('keys', 'session', 'Every key of a session file', '[session files](../session-files.md), [the network](../network.md)'),
              ('scene-keys', 'scene', 'Every key of a scene file', '[scenes](../scenes.md)'),
              ('profile-keys', 'profile', 'Every key of a network profile',
-              '[network profiles](../network-profiles.md), [the network](../network.md#keys)')]
+              '[network profiles](../network-profiles.md), [the network](../network.md)')]
 
 
 def write_keys(programs, out):

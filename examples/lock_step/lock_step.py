@@ -1,4 +1,4 @@
-"""A node of a lock-step session in Python: Thimble's messages, and the conductor's protocol (docs/lock-step.md, docs/protocol.md).
+"""A node of a lock-step session in Python: Thimble's messages, and the conductor's protocol (docs/clocks.md, docs/protocol.md).
 Needs no packages. The Python package has this file as thimble.lock_step."""
 import argparse
 import socket

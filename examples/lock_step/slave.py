@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A slave whose tissue is a spring with a damper takes part in lock-step beside Thimble's own programs (docs/lock-step.md).
+"""A slave whose tissue is a spring with a damper takes part in lock-step beside Thimble's own programs (docs/clocks.md).
 In lock-step the conductor looks for silent peers, so this slave does not."""
 import math
 import sys

@@ -19,7 +19,7 @@ namespace thimble {
 
 inline constexpr double kVelocityLag_s = 0.005;
 
-// Longer than this between two samples says nothing about the velocity now.
+// After a longer gap between two samples the velocity is unknown.
 inline constexpr double kForgotten_s = 0.05;
 
 using DeviceVector = std::array<double, 3>;  // x, y, z of the device
@@ -60,7 +60,7 @@ class AxisConstraint {
     void hold_here() { line_m_ = position_m_; }
 
     double position_hand_m() const { return along(position_m_) - settings_.sign * settings_.origin_m; }
-    // Of any vector of the device: its part along z.
+    // The component of a device vector along z.
     double along(const DeviceVector& vector) const { return settings_.sign * vector[settings_.axis]; }
     // Within +-force_limit_N; zero if it is not a number.
     double clipped_N(double force_hand_N) const {

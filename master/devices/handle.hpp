@@ -2,11 +2,15 @@
 // the session sees when the needle is withdrawn.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "common/runtime/runtime_settings.hpp"
+#include "master/devices/handle_settings.hpp"
 #include "master/devices/haptic_device.hpp"
+#include "master/operator/operator_parameters.hpp"
 #include "master/operator/operator_port.hpp"
 
 namespace thimble {
@@ -27,5 +31,12 @@ class Handle : public HapticDevice, public OperatorPort {
     // Adds its part, if it has one, to the node's report.
     virtual void describe(nlohmann::ordered_json& /*report*/) const {}
 };
+
+// The handle that a session file names, found and made ready: the one place that chooses.
+
+// A driver with a thread is scheduled as `runtime` says. Throws Error with what is missing and what to do about it; usage, if this
+// build has no driver for it (THIMBLE_DEVICES=OFF).
+std::shared_ptr<Handle> open_handle(const HandleSettings& settings, const OperatorParameters& person,
+                                    const RuntimeSettings& runtime);
 
 }  // namespace thimble

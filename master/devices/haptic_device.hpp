@@ -15,27 +15,27 @@ struct HandleSample {
     bool valid = true;           // false: the device has failed, and these are no measurements
 };
 
-// Every call is pure: a wrapper that forgot to pass one on would compile, and a button or a fault would vanish in it.
+// All calls are pure virtual: a wrapper that forgot one would hide a button or a fault.
 class HapticDevice : boost::noncopyable {
   public:
     virtual ~HapticDevice() = default;
 
     virtual HandleSample read(SessionTime now) = 0;
 
-    // Held until the next command. The device clips at its own limit; read() says what it really applies.
+    // Held until the next command. The device clips at its own limit; read() gives the force that it really applies.
     virtual void command_force(SessionTime now, double force_hand_N) = 0;
 
-    // Whether a force may be commanded in what follows. Where it may not (CF, CCF, VF, between trials) a real device has no current
-    // in its motors and is an encoder only, as in the paper.
+    // Allows forces from now on. Without (CF, CCF, VF, between trials) a real device has no motor current and is an
+    // encoder only, as in the paper.
     virtual void enable_force(SessionTime now, bool enabled) = 0;
 
-    // A button of the device that means "stop everything" is down, or has been since the last call.
+    // True if the emergency-stop button is down, or was since the last call.
     virtual bool take_stop(SessionTime now) = 0;
-    // When a button has to be looked at by take_stop(), lest a short press is missed; kNever: the device notes presses by itself.
+    // The latest time of the next take_stop(), so that a short press is seen; kNever: the device remembers presses.
     virtual SessionTime next_look() const = 0;
 
-    // Empty while the device works. Then: which device, what happened, what to do; it applies no force and read() is not
-    // valid from the moment at which this is not empty.
+    // Empty while the device works; else which device failed, why, and what to do. From then on it applies no force
+    // and read() is not valid.
     virtual std::string_view fault() const = 0;
 };
 

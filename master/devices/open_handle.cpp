@@ -1,13 +1,14 @@
-#include "master/devices/open_handle.hpp"
-
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
 #include "common/runtime/hid/hid_thread.hpp"
 #include "master/devices/force_dimension/force_dimension_handle.hpp"
+#include "master/devices/handle.hpp"
+#include "master/devices/haply/haply_handle.hpp"
 #include "master/devices/hid/hid_hand.hpp"
 #include "master/devices/pointer_handle.hpp"
 #include "master/devices/simulated_handle.hpp"
+#include "master/devices/touch/touch_handle.hpp"
 #ifdef THIMBLE_DEVICES
 #include "master/devices/falcon/falcon_handle.hpp"
 #endif
@@ -59,10 +60,13 @@ std::shared_ptr<Handle> open_handle(const HandleSettings& settings, const Operat
         case HandleKind::kFalcon:
             return open_falcon_here(settings, runtime);
         case HandleKind::kRos2:
-            throw Error(
-                ExitCode::kUsage,
-                "[handle] device = \"ros2\" is for thimble-ros2-master, which 'thimble run' starts in the "
-                "place of thimble-master (docs/ros2.md)");
+            throw Error(ExitCode::kUsage,
+                        "[handle] device = \"ros2\" needs thimble-ros2-master instead of thimble-master; "
+                        "'thimble run' starts it by itself (docs/ros2.md)");
+        case HandleKind::kHaply:
+            return open_haply(settings.haply, settings.force_limit_N, runtime);
+        case HandleKind::kTouch:
+            return open_touch(settings.touch, settings.force_limit_N);
         case HandleKind::kSimulated:
             break;
     }

@@ -5,10 +5,11 @@
 // between handle and pointer: a pointer moves in steps of a screen's frame, and their derivative would be blows.
 //
 // Let go (not engaged, or no input for kLetGoAfter) is no spring and the damper alone. A spring to the last wanted place
-// would push on for somebody who is no longer there, and with delay oscillate by itself; a handle without a spring can
+// would push on without a hand, and with delay oscillate by itself; a handle without a spring can
 // only lose energy. It rests where friction stops it, and the needle with it, commands going on.
 //
-// Time is a grid of 0.1 ms that starts with the trial; a call at `now` advances to the last grid point not after it. A wanted place holds from the grid point that had been reached when it arrived.
+// Time is a grid of 0.1 ms that starts with the trial; a call at `now` advances to the last grid point not after it.
+// A wanted place holds from the grid point that had been reached when it arrived.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +25,7 @@ class PointerHandle : public SoftwareHandle, public HandFollower {
 
     explicit PointerHandle(const HandleSettings& settings) : SoftwareHandle(settings) {}
 
-    // At rest at z = 0, let go.
+    // Starts at rest at z = 0, without a hand.
     void start_trial(SessionTime now, const OperatorTask& /*task*/) override {
         in_trial_ = true;
         reached_ = let_go_ = now;

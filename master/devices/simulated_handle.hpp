@@ -1,8 +1,8 @@
 // An omega.3-like handle with the virtual operator's hand on it: one physical system, integrated together.
 //
-// Its time is a grid of 0.1 ms (plant) and 1 ms (brain) that starts with the trial. A call at `now` first
-// advances to the last grid point not after `now`, so the grid of the calls does not matter: whoever reads at
-// 0.37 ms and at 1 ms gets the bits of whoever reads at 1 ms. A command or percept at the instant of a brain tick counts in that tick.
+// Its time is a grid of 0.1 ms (plant) and 1 ms (brain) that starts with the trial. A call at `now` first advances to
+// the last grid point not after `now`. So the times of the calls do not matter: reads at 0.37 ms and 1 ms give the
+// same bits as a read at 1 ms alone. A command or percept at the instant of a brain tick counts in that tick.
 #pragma once
 
 #include <algorithm>
@@ -41,7 +41,7 @@ class SimulatedHandle final : public SoftwareHandle {
     bool finished() const override { return operator_ && operator_->finished(); }
 
     double position_hand_m() const override { return limb_.position_hand_m(); }
-    // Milliseconds left out because no call came for longer than a second.
+    // Milliseconds skipped because no call came for more than a second.
     std::uint64_t skipped_ms() const { return skipped_ms_; }
     // Null before the first trial.
     const VirtualOperator* operator_in_trial() const { return operator_ ? &*operator_ : nullptr; }

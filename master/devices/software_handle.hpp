@@ -41,7 +41,7 @@ class SoftwareHandle : public Handle {
     std::uint64_t refused_forces() const { return refused_forces_; }
 
   protected:
-    // To the last point of its own time grid that is not after `now`.
+    // Advances to the last point of its own time grid not after `now`.
     virtual void advance(SessionTime now) = 0;
 
     HandleSettings settings_;

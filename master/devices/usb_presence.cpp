@@ -58,19 +58,20 @@ UsbFinding look_for_usb(std::uint16_t, std::optional<std::uint16_t>) { return {}
 std::string usb_advice(const UsbFinding& finding, const std::string& device, const std::string& rule) {
     switch (finding.presence) {
         case UsbPresence::kAbsent:
-            return fmt::format("no {} is on the USB: plug it in and switch it on; `lsusb` must list it",
+            return fmt::format("there is no {} on the USB: plug it in and switch it on; `lsusb` must list it",
                                device);
         case UsbPresence::kForbidden:
             return fmt::format(
-                "a {} is on the USB, and {} may not be opened by this user: run `sudo cp deploy/udev/{} "
+                "a {} is on the USB, but this user may not open {}: run `sudo cp deploy/udev/{} "
                 "/etc/udev/rules.d/ && sudo udevadm control --reload`, then unplug it and plug it in again",
                 device, finding.file, rule);
         case UsbPresence::kBusy:
             return fmt::format(
-                "a {} is on the USB, and another program has it: `sudo fuser -v {}` names it; end it", device,
-                finding.file);
+                "a {} is on the USB, but another program uses it: `sudo fuser -v {}` names that program; end "
+                "it",
+                device, finding.file);
         case UsbPresence::kFree:
-            return fmt::format("a {} is on the USB and may be opened: switch it off and on again", device);
+            return fmt::format("a {} is on the USB and can be opened: switch it off and on again", device);
         case UsbPresence::kUnknown:
             break;
     }

@@ -1,4 +1,4 @@
-// Is that device plugged in, may we open it, has another program got it? And what to do about it, in words.
+// Is a USB device plugged in, may we open it, does another program use it? With advice as text.
 #pragma once
 
 #include <cstdint>

@@ -94,7 +94,9 @@ class Limb {
             s.arm_m += dt * s.arm_m_per_s;
             // Implicit in z, so |z| <= z_d at any speed; an explicit step overshoots above 0.3 m/s.
             const double slid = slide * s.hand_m_per_s;
-            s.bristle = (s.bristle + slid) / (1 + std::fabs(slid));
+            // A hand that slides on leaves a full bristle as it is, to the last bit, and waits for no division.
+            const bool full = slid > 0 ? s.bristle == 1 : s.bristle == -1;
+            if (!full) s.bristle = (s.bristle + slid) / (1 + std::fabs(slid));
         }
         state_ = s;
     }

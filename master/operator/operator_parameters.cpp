@@ -7,120 +7,138 @@ namespace thimble {
 namespace {
 
 void read_hand(const ConfigTable& table, HandMechanics& hand) {
-    table.read("arm_stiffness_N_per_m", hand.arm_stiffness_N_per_m, 50, 3000, "Of forearm and wrist.");
-    table.read("arm_mass_kg", hand.arm_mass_kg, 0.2, 10, "Of hand and forearm.");
-    table.read("arm_damping_ratio", hand.arm_damping_ratio, 0, 2, "Of the arm.");
-    table.read("grip_stiffness_N_per_m", hand.grip_stiffness_N_per_m, 100, 10000, "Of the pinch grip.");
-    table.read("grip_damping_ratio", hand.grip_damping_ratio, 0, 2, "Of the grip.");
+    table.read("arm_stiffness_N_per_m", hand.arm_stiffness_N_per_m, 50, 3000,
+               "Stiffness of forearm and wrist.");
+    table.read("arm_mass_kg", hand.arm_mass_kg, 0.2, 10, "Mass of hand and forearm.");
+    table.read("arm_damping_ratio", hand.arm_damping_ratio, 0, 2, "Damping ratio of the arm.");
+    table.read("grip_stiffness_N_per_m", hand.grip_stiffness_N_per_m, 100, 10000,
+               "Stiffness of the pinch grip.");
+    table.read("grip_damping_ratio", hand.grip_damping_ratio, 0, 2, "Damping ratio of the grip.");
     table.read("friction_learned_speed_m_per_s", hand.friction_learned_speed_m_per_s, 1e-5, 0.1,
-               "Where the learned feed-forward of friction changes sign.");
+               "Speed scale on which the learned compensation of friction changes sign.");
     table.read("load_stiffness_per_N", hand.load_stiffness_per_N, 0, 2,
-               "Arm and grip are stiffer by this fraction per newton that the arm exerts; 0: off.");
-    table.read("load_damping_per_N", hand.load_damping_per_N, 0, 2, "The same of their damping; 0: off.");
-    table.read("load_lag_s", hand.load_lag_s, 0.001, 1, "How fast both follow the load.");
+               "Relative increase of arm and grip stiffness per newton of arm force; 0: off.");
+    table.read("load_damping_per_N", hand.load_damping_per_N, 0, 2,
+               "Relative increase of arm and grip damping per newton of arm force; 0: off.");
+    table.read("load_lag_s", hand.load_lag_s, 0.001, 1, "Time constant of both increases.");
 }
 
 void read_reflex(const ConfigTable& table, ReflexParameters& reflex) {
     table.read("reflex_gain", reflex.gain, 0, 2,
-               "Part of a stretch of the arm that the long-latency reflex counters; 0: off.");
-    table.read("reflex_latency_s", reflex.latency_s, 0.01, 0.2, "From the stretch to the answer.");
-    table.read("reflex_window_s", reflex.window_s, 0.01, 0.2, "A stretch that is older is not answered.");
+               "Part of an arm stretch that the long-latency reflex cancels; 0: off.");
+    table.read("reflex_latency_s", reflex.latency_s, 0.01, 0.2, "Time from the stretch to the reflex.");
+    table.read("reflex_window_s", reflex.window_s, 0.01, 0.2, "Stretches older than this cause no reflex.");
 }
 
 void read_noise(const ConfigTable& table, NoiseParameters& noise) {
     table.read("sway_m", noise.sway_m, 0, 0.01, "Slow drift of the hand, rms.");
-    table.read("sway_correlation_s", noise.sway_correlation_s, 0.01, 100, "Of the sway.");
-    table.read("tremor_m", noise.tremor_m, 0, 0.005, "Of the hand, rms.");
-    table.read("tremor_frequency_Hz", noise.tremor_frequency_Hz, 1, 50, "Of the tremor.");
-    table.read("tremor_damping_ratio", noise.tremor_damping_ratio, 0.01, 0.9, "How narrow its band is.");
-    table.read("force_noise_fraction", noise.force_noise_fraction, 0, 1, "Of the force exerted.");
+    table.read("sway_correlation_s", noise.sway_correlation_s, 0.01, 100, "Correlation time of the drift.");
+    table.read("tremor_m", noise.tremor_m, 0, 0.005, "Tremor of the hand, rms.");
+    table.read("tremor_frequency_Hz", noise.tremor_frequency_Hz, 1, 50, "Frequency of the tremor.");
+    table.read("tremor_damping_ratio", noise.tremor_damping_ratio, 0.01, 0.9,
+               "Damping ratio of the tremor: smaller is a narrower band.");
+    table.read("force_noise_fraction", noise.force_noise_fraction, 0, 1,
+               "Noise of the arm force, as a fraction of it.");
     table.read("force_noise_correlation_s", noise.force_noise_correlation_s, 0.002, 100,
-               "Of the force's noise.");
+               "Correlation time of the force noise.");
     table.read("speed_noise_fraction", noise.speed_noise_fraction, 0, 1,
-               "Of the insertion speed, within a trial.");
+               "Noise of the insertion speed within a trial, as a fraction of it.");
     table.read("speed_noise_correlation_s", noise.speed_noise_correlation_s, 0.002, 100,
-               "Of the speed's noise.");
+               "Correlation time of the speed noise.");
 }
 
 void read_perception(const ConfigTable& table, PerceptionParameters& perception) {
-    table.read("criterion_N", perception.criterion_N, 0.1, 12, "Force at which a subject says: fixture.");
+    table.read("criterion_N", perception.criterion_N, 0.1, 12,
+               "Force above which the subject decides that the fixture is reached.");
     table.read("criterion_cap_fraction", perception.criterion_cap_fraction, 0.05, 1,
-               "Of the full scale of the display in use.");
+               "Upper limit of that force, as a fraction of the display's full scale.");
     table.read("full_scale_handle_N", perception.full_scale_handle_N, 0.1, 100,
-               "Of the handle, as the operator knows it.");
+               "Full scale of the handle that the operator assumes.");
     table.read("full_scale_cutaneous_N", perception.full_scale_cutaneous_N, 0.1, 20,
-               "Equal to [cutaneous] force_limit_N.");
+               "Full scale of the fingertip device; equal to [cutaneous] force_limit_N.");
     table.read("full_scale_bar_N", perception.full_scale_bar_N, 0.1, 100,
-               "Equal to [visual] bar_full_scale_N.");
-    table.read("lost_N", perception.lost_N, 0, 5, "Below this nothing is felt or seen.");
-    table.read("lost_after_s", perception.lost_after_s, 0, 1, "Contact is lost after so long below it.");
-    table.read("weber_handle", perception.weber_handle, 0, 1, "Noise of the sensation, relative.");
-    table.read("weber_cutaneous", perception.weber_cutaneous, 0, 1, "The same, of the skin.");
-    table.read("weber_visual", perception.weber_visual, 0, 1, "The same, of the bar's length.");
-    table.read("weber_correlation_s", perception.weber_correlation_s, 0.002, 100, "Of this noise.");
+               "Full scale of the bar; equal to [visual] bar_full_scale_N.");
+    table.read("lost_N", perception.lost_N, 0, 5, "Smaller forces are not felt or seen.");
+    table.read("lost_after_s", perception.lost_after_s, 0, 1,
+               "Contact counts as lost after this time below lost_N.");
+    table.read("weber_handle", perception.weber_handle, 0, 1, "Relative noise of the perceived force, HF.");
+    table.read("weber_cutaneous", perception.weber_cutaneous, 0, 1,
+               "Relative noise of the perceived force, CF and CCF.");
+    table.read("weber_visual", perception.weber_visual, 0, 1,
+               "Relative noise of the perceived bar length, VF.");
+    table.read("weber_correlation_s", perception.weber_correlation_s, 0.002, 100,
+               "Correlation time of these noises.");
 }
 
 void read_reaction(const ConfigTable& table, ReactionParameters& reaction) {
-    table.read("reaction_handle_s", reaction.handle_s, 0, 2, "HF.");
-    table.read("reaction_cutaneous_s", reaction.cutaneous_s, 0, 2, "CF.");
-    table.read("reaction_tactile_s", reaction.tactile_s, 0, 2, "CCF is the sum of this and the next two.");
-    table.read("reaction_crossing_s", reaction.crossing_s, 0, 0.5, "From one hand to the other.");
+    table.read("reaction_handle_s", reaction.handle_s, 0, 2, "Reaction time in HF.");
+    table.read("reaction_cutaneous_s", reaction.cutaneous_s, 0, 2, "Reaction time in CF.");
+    table.read("reaction_tactile_s", reaction.tactile_s, 0, 2,
+               "Reaction time of touch; CCF is the sum of this and the next two.");
+    table.read("reaction_crossing_s", reaction.crossing_s, 0, 0.5, "Extra time from one hand to the other.");
     table.read("reaction_compatibility_s", reaction.compatibility_s, 0, 0.5,
-               "The other hand acts than the one that feels.");
-    table.read("reaction_visual_s", reaction.visual_s, 0, 2, "VF; also to the needle seen touching.");
-    table.read("reaction_auditory_s", reaction.auditory_s, 0, 2, "To the beep.");
+               "Extra time if the hand that acts is not the hand that feels.");
+    table.read("reaction_visual_s", reaction.visual_s, 0, 2,
+               "Reaction time in VF; also to the sight of the needle at the tissue.");
+    table.read("reaction_auditory_s", reaction.auditory_s, 0, 2, "Reaction time to the beep.");
     table.read("reaction_trial_variation", reaction.trial_variation, 0, 1,
-               "Coefficient of variation between decisions.");
+               "Coefficient of variation between reactions.");
     table.read("switch_modality_s", reaction.switch_modality_s, 0, 0.5,
-               "The first reaction to the fixture takes longer if the trial before was for another sense.");
+               "Extra time of the first reaction to the fixture if the previous trial used another sense.");
     table.read("switch_hand_s", reaction.switch_hand_s, 0, 0.5,
-               "The same if it is another hand that feels (CCF).");
+               "Extra time of that reaction if another hand feels than before (CCF).");
 }
 
 void read_behaviour(const ConfigTable& table, BehaviourParameters& behaviour) {
     table.read("position_scale", behaviour.position_scale, 0.01, 100,
-               "Needle per hand; equal to [master] position_scale. The next three are the needle's.");
-    table.read("speed_free_needle_m_per_s", behaviour.speed_free_needle_m_per_s, 0.001, 1, "In the free.");
+               "Needle movement divided by hand movement; equal to [master] position_scale. The next three "
+               "speeds are of the needle.");
+    table.read("speed_free_needle_m_per_s", behaviour.speed_free_needle_m_per_s, 0.001, 1,
+               "Speed outside the tissue.");
     table.read("speed_insert_needle_m_per_s", behaviour.speed_insert_needle_m_per_s, 0.001, 1,
-               "In the tissue.");
+               "Speed of the insertion in the tissue.");
     table.read("speed_withdraw_needle_m_per_s", behaviour.speed_withdraw_needle_m_per_s, 0.001, 1,
-               "On the way out.");
-    table.read("speed_lag_s", behaviour.speed_lag_s, 0.001, 2, "How fast the speed follows the intention.");
+               "Speed of the withdrawal.");
+    table.read("speed_lag_s", behaviour.speed_lag_s, 0.001, 2,
+               "Time constant with which the speed follows the intention.");
     table.read("speed_trial_variation", behaviour.speed_trial_variation, 0, 0.3,
-               "Of the insertion speed, between trials.");
-    table.read("brake_s", behaviour.brake_s, 0.001, 2, "Until the hand stands still.");
-    table.read("refractory_s", behaviour.refractory_s, 0, 5, "After an action, before the next.");
+               "Variation of the insertion speed between trials.");
+    table.read("brake_s", behaviour.brake_s, 0.001, 2, "Time until the hand stands still.");
+    table.read("refractory_s", behaviour.refractory_s, 0, 5, "Shortest time between two actions.");
     table.read("recovery", behaviour.recovery, {"approach", "push"},
-               "After a lost contact relax and insert again, slower; or push, harder (docs/model.md).");
-    table.read("relax_s", behaviour.relax_s, 0.01, 5, "approach: until the limb pushes no longer.");
-    table.read("slowing", behaviour.slowing, 0.1, 1, "approach: of the speed, per loss.");
-    table.read("slowest", behaviour.slowest, 0.01, 1, "approach: of the speed, at the least.");
+               "Behaviour after a lost contact. approach: relax, then insert again, slower; push: push "
+               "harder (docs/model.md).");
+    table.read("relax_s", behaviour.relax_s, 0.01, 5, "approach: time until the arm has relaxed.");
+    table.read("slowing", behaviour.slowing, 0.1, 1, "approach: factor of the speed after each loss.");
+    table.read("slowest", behaviour.slowest, 0.01, 1,
+               "approach: lowest speed, as a fraction of the normal one.");
     table.read("push_m", behaviour.push_m, 0, 0.02, "push: first advance, at the hand.");
-    table.read("push_growth", behaviour.push_growth, 1, 3, "push: each further one, over the one before.");
-    table.read("push_s", behaviour.push_s, 0.01, 5, "push: how long an advance takes.");
+    table.read("push_growth", behaviour.push_growth, 1, 3, "push: factor from one advance to the next.");
+    table.read("push_s", behaviour.push_s, 0.01, 5, "push: duration of an advance.");
     table.read("cocontraction", behaviour.cocontraction, 0, 2,
-               "Stiffer by this fraction after each loss, in HF.");
-    table.read("cocontraction_limit", behaviour.cocontraction_limit, 0, 5, "At most.");
+               "HF: relative increase of the stiffness after each loss.");
+    table.read("cocontraction_limit", behaviour.cocontraction_limit, 0, 5, "Upper limit of that increase.");
     table.read("learning_exponent", behaviour.learning_exponent, 0, 1,
-               "After a loss the operator of trial n slows and stiffens more by n to this power; 0: off.");
+               "After a loss in trial n, slowing and stiffening are multiplied by n to this power; 0: off.");
     table.read("press_N", behaviour.press_N, 0, 10,
-               "HF: leans on the fixture by so much more than it took to feel it.");
+               "HF: extra force on the fixture, beyond the force at which it was felt.");
 }
 
 void read_spread(const ConfigTable& table, SubjectSpread& spread) {
     table.read("spread_speed", spread.speed, 0, 1,
-               "SD of the logarithm between subjects, as all of these: of the insertion speed.");
-    table.read("spread_stiffness", spread.stiffness, 0, 1, "Of arm and grip, each.");
-    table.read("spread_criterion", spread.criterion, 0, 1, "Of the criterion.");
-    table.read("spread_sway", spread.sway, 0, 1, "Of the sway.");
-    table.read("spread_push", spread.push, 0, 1, "Of the push.");
-    table.read("spread_reaction", spread.reaction, 0, 1, "Of all reaction times together.");
+               "SD of the logarithm between subjects of the insertion speed. The next ones are the same for "
+               "other parameters.");
+    table.read("spread_stiffness", spread.stiffness, 0, 1, "SD of arm stiffness and of grip stiffness.");
+    table.read("spread_criterion", spread.criterion, 0, 1, "SD of the criterion.");
+    table.read("spread_sway", spread.sway, 0, 1, "SD of the slow drift.");
+    table.read("spread_push", spread.push, 0, 1, "SD of the push.");
+    table.read("spread_reaction", spread.reaction, 0, 1, "SD of all reaction times together.");
     table.read("spread_reaction_modality", spread.reaction_modality, 0, 1,
-               "Of those of a subject in one modality.");
-    table.read("spread_press", spread.press, 0, 1, "Of the press.");
+               "SD of a subject's reaction time in one modality.");
+    table.read("spread_press", spread.press, 0, 1, "SD of the extra force press_N.");
     table.read("spread_experience", spread.experience, 0, 2,
-               "Every second subject is experienced: the logarithm's distance from the others, of criterion, "
-               "press and reaction.");
+               "Every second subject is experienced: difference to the others in the logarithms of "
+               "criterion, press and reaction times.");
 }
 
 }  // namespace

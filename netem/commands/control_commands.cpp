@@ -28,10 +28,10 @@ struct ControlOptions {
 
 std::shared_ptr<ControlOptions> options_of(CLI::App& command) {
     auto options = std::make_shared<ControlOptions>();
-    command.add_option("--control", options->control, "the socket that the relay was started with")
+    command.add_option("--control", options->control, "socket that the relay was started with")
         ->type_name("PATH")
         ->required();
-    command.add_flag("--json", options->json, "the whole answer as JSON");
+    command.add_flag("--json", options->json, "print the whole answer as JSON on stdout");
     return options;
 }
 
@@ -58,7 +58,7 @@ std::uint64_t packets(const Json& answer, const char* direction, const char* wha
     return answer.at(direction).at("packets").at(what).get<std::uint64_t>();
 }
 
-// The changes since the last answer.
+// One line with the changes since the last answer.
 std::string line(const Json& before, const Json& now) {
     std::string text = fmt::format("{:8.1f} s  {:4} flows", now.at("running_s").get<double>(),
                                    now.at("flows").at("open").get<std::uint64_t>());
@@ -93,11 +93,11 @@ int watch(const ControlOptions& options) {
 }  // namespace
 
 NetemCommand add_set(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("set", "change the links of a running relay");
+    CLI::App* command = app.add_subcommand("set", "change the network of a running relay");
     const auto options = options_of(*command);
     command
         ->add_option("assignments", options->assignments,
-                     "KEY=VALUE as in a file, up. or down. before it for one way")
+                     "KEY=VALUE as in a profile file; up. or down. before it for one direction")
         ->required();
     command->footer(
         "Example:\n  thimble-netem set --control /tmp/netem up.delay_s=0.1 loss=0.01 jitter=normal "
@@ -106,16 +106,16 @@ NetemCommand add_set(CLI::App& app) {
 }
 
 NetemCommand add_show(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("show", "what a running relay does and did");
+    CLI::App* command = app.add_subcommand("show", "show the settings and counters of a running relay");
     const auto options = options_of(*command);
     command->footer("Example:\n  thimble-netem show --control /tmp/netem --json");
     return {command, [options] { return show(*options); }};
 }
 
 NetemCommand add_watch(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("watch", "a line per second about a running relay");
+    CLI::App* command = app.add_subcommand("watch", "print one line per second about a running relay");
     const auto options = options_of(*command);
-    command->add_option("--lines", options->lines, "end after so many; 0: never")
+    command->add_option("--lines", options->lines, "end after this many lines; 0: never")
         ->check(CLI::Range(0, 1000000));
     command->footer("Example:\n  thimble-netem watch --control /tmp/netem");
     return {command, [options] { return watch(*options); }};

@@ -1,10 +1,14 @@
 // thimble-netem fit: a measured path becomes a profile.
+#include <filesystem>
 #include <memory>
+#include <string>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/own_program.hpp"
 #include "common/text_file.hpp"
 #include "netem/commands/commands.hpp"
 #include "netem/formats/jitter_table_file.hpp"
@@ -38,6 +42,13 @@ std::vector<std::string> source_of(const std::string& file, const MeasuredPath& 
     return source;
 }
 
+// By it an editor checks the file and completes its keys (docs/session-files.md).
+std::string schema_line() {
+    std::error_code absent;
+    const auto schema = shipped_files() / "schema/profile.json";
+    return std::filesystem::exists(schema, absent) ? fmt::format("#:schema {}\n", schema.string()) : "";
+}
+
 int fit(const FitArguments& a) {
     const MeasuredPath up = load(a.up);
     const PathFit up_fit = fit_and_say(up, a.up);
@@ -46,7 +57,7 @@ int fit(const FitArguments& a) {
     profile.up = profile.down = up_fit.link;
     profile.source = source_of(a.up, up, up_fit);
     if (a.down.empty()) {
-        profile.source.emplace_back("one direction was measured; the other is taken to be like it");
+        profile.source.emplace_back("one direction was measured; the profile uses it for both");
     } else {
         const MeasuredPath down = load(a.down);
         const PathFit down_fit = fit_and_say(down, a.down);
@@ -59,7 +70,7 @@ int fit(const FitArguments& a) {
         fmt::print("{}: table of the delays, for `jitter_table` and tc\n", a.table);
     }
     if (!a.out.empty()) {
-        write_text_file(a.out, print_profile(profile));
+        write_text_file(a.out, schema_line() + print_profile(profile));
         fmt::print("{}: profile\n", a.out);
     }
     return static_cast<int>(ExitCode::kOk);
@@ -71,11 +82,12 @@ NetemCommand add_fit(CLI::App& app) {
     const auto arguments = std::make_shared<FitArguments>();
     FitArguments& a = *arguments;
     CLI::App* sub =
-        app.add_subcommand("fit", "a profile from a trace: delay, jitter and loss, and how well they fit");
-    sub->add_option("trace", a.up, "trace (CSV) of the way up, or of either way")->required();
-    sub->add_option("--down", a.down, "trace of the way down; without it both are alike");
+        app.add_subcommand("fit", "make a network profile from a trace, and report how well it fits");
+    sub->add_option("trace", a.up, "trace (CSV) of the up direction, or of both")->required();
+    sub->add_option("--down", a.down, "trace (CSV) of the down direction; default: as the other one");
     sub->add_option("-o,--out", a.out, "profile (TOML); replaced if it exists");
-    sub->add_option("--table", a.table, "also a table of the delays (.dist), for what no shape fits");
+    sub->add_option("--table", a.table,
+                    "also write the delays as a table (.dist), for delays that fit no distribution");
     sub->footer("Example:\n  thimble-netem fit path.up.csv --down path.down.csv --out lab.toml");
     return {sub, [arguments] { return fit(*arguments); }};
 }

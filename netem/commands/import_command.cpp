@@ -60,7 +60,7 @@ std::optional<std::uint16_t> port_of(int port) {
 
 void import_captures(const std::string& text, const ImportArguments& a) {
     if (a.files.size() != 2) {
-        throw Error(ExitCode::kUsage, "import: a delay needs two captures, the sender's and the receiver's");
+        throw Error(ExitCode::kUsage, "import: captures need two files, the sender's and the receiver's");
     }
     const Capture sent = parse_capture(text, a.files[0]);
     const Capture received = parse_capture(read_whole_file(a.files[1]), a.files[1]);
@@ -69,12 +69,12 @@ void import_captures(const std::string& text, const ImportArguments& a) {
     const CapturePair pair = match_captures(sent, received, options);
     write(pair.path, a.out);
     fmt::print(
-        "  {} duplicates, {} out of order, {} received that were never sent; delays by the stamps {:.6f} to "
-        "{:.6f} s\n",
+        "  {} duplicates, {} out of order, {} received that were never sent; delays by the time stamps "
+        "{:.6f} to {:.6f} s\n",
         pair.duplicates, pair.reordered, pair.foreign, to_seconds(pair.least), to_seconds(pair.most));
     for (const Capture* capture : {&sent, &received}) {
         if (capture->fragments + capture->others == 0 && !capture->cut_at_end) continue;
-        fmt::print("  {}: {} packets that are no UDP and {} fragments left out{}\n",
+        fmt::print("  {}: left out {} packets that are not UDP and {} fragments{}\n",
                    capture == &sent ? a.files[0] : a.files[1], capture->others, capture->fragments,
                    capture->cut_at_end ? "; it ends within a packet" : "");
     }
@@ -88,7 +88,7 @@ int import_files(const ImportArguments& arguments) {
         import_captures(text, arguments);
     } else if (arguments.files.size() > 1) {
         throw Error(ExitCode::kUsage,
-                    "import: one file of irtt or ping at a time; two are for captures (pcap)");
+                    "import: give one file of irtt or ping at a time; only captures (pcap) need two");
     } else if (format == "irtt") {
         import_irtt(text, arguments);
     } else {
@@ -102,26 +102,31 @@ int import_files(const ImportArguments& arguments) {
 NetemCommand add_import(CLI::App& app) {
     const auto arguments = std::make_shared<ImportArguments>();
     ImportArguments& a = *arguments;
-    CLI::App* sub = app.add_subcommand("import", "a trace from irtt's JSON, ping's output or two captures");
-    sub->add_option("files", a.files, "irtt JSON, ping output, or the sender's and the receiver's pcap")
+    CLI::App* sub =
+        app.add_subcommand("import", "make a trace from irtt's JSON, ping's output or two packet captures");
+    sub->add_option("files", a.files,
+                    "irtt's JSON, ping's output, or the captures (pcap) of sender and receiver")
         ->required()
         ->expected(1, 2);
     sub->add_option("-o,--out", a.out, "trace (CSV); replaced if it exists")->required();
-    sub->add_option("--format", a.format, "what the files are")
+    sub->add_option("--format", a.format, "format of the files")
         ->default_val(a.format)
         ->check(CLI::IsMember({"auto", "irtt", "ping", "pcap"}));
-    sub->add_option("--direction", a.direction, "of irtt; both: OUT.up.csv and OUT.down.csv")
+    sub->add_option("--direction", a.direction,
+                    "direction of irtt's packets; both: OUT.up.csv and OUT.down.csv")
         ->default_val(a.direction)
         ->check(CLI::IsMember({"up", "down", "both"}));
-    sub->add_option("--interval-s", a.interval_s, "of ping without -D")
+    sub->add_option("--interval-s", a.interval_s, "time between two packets of ping without -D, s")
         ->default_val(a.interval_s)
         ->check(CLI::Range(1e-4, 3600.0));
     sub->add_option("--sent-port", a.sent_port, "only datagrams to this port, in the sender's capture")
         ->check(CLI::Range(1, 65535));
-    sub->add_option("--received-port", a.received_port, "the same in the receiver's")
+    sub->add_option("--received-port", a.received_port,
+                    "only datagrams to this port, in the receiver's capture")
         ->check(CLI::Range(1, 65535));
-    sub->add_option("--least-delay-s", a.least_delay_s,
-                    "moves all delays so that the least is this one: for clocks that are not synchronised")
+    sub->add_option(
+           "--least-delay-s", a.least_delay_s,
+           "shift all delays so that the shortest is this one, s, if the clocks are not synchronised")
         ->check(CLI::Range(0.0, 60.0));
     sub->footer(
         "Examples:\n  thimble-netem import irtt.json --out path.csv\n"

@@ -1,4 +1,4 @@
-// thimble-netem log: a packet log as CSV.
+// thimble-netem log: prints a packet log as CSV.
 #include <array>
 #include <fstream>
 #include <memory>
@@ -33,7 +33,7 @@ int print_log(const std::string& path) {
         if (size == 0) return 0;
         const auto record = size == kRecordBytes ? decode_record(bytes) : std::nullopt;
         if (!record) {
-            throw Error(ExitCode::kData, "'{}': record {} of the log is {}: it ends here", path, i,
+            throw Error(ExitCode::kData, "'{}': stopped at record {} of the log, which is {}", path, i,
                         size < kRecordBytes ? "cut short" : "damaged");
         }
         fmt::print("{}\n", to_csv(*record));
@@ -45,7 +45,7 @@ int print_log(const std::string& path) {
 NetemCommand add_log(CLI::App& app) {
     const auto path = std::make_shared<std::string>();
     CLI::App* command = app.add_subcommand("log", "print a packet log as CSV");
-    command->add_option("file", *path, "written by --log")->required();
+    command->add_option("file", *path, "packet log, written by --log")->required();
     command->footer("Example:\n  thimble-netem log packets.bin > packets.csv");
     return {command, [path] { return print_log(*path); }};
 }

@@ -26,15 +26,15 @@ void take_words(LinkSettings& link, Way way, const std::string& words, std::uint
 
 void add_network_options(CLI::App& app, NetworkOptions& options) {
     app.add_option("-p,--profile", options.profile,
-                   "the network: a name (" + fmt::format("{}", fmt::join(profile_names(), ", ")) +
-                       "), a TOML file, or tc's words in quotes")
+                   "the network: a built-in name (" + fmt::format("{}", fmt::join(profile_names(), ", ")) +
+                       "), a TOML file, or words of tc in quotes")
         ->type_name("NAME|FILE|WORDS");
-    app.add_option(
-           "--link", options.link,
-           "single settings on top of it, e.g. up.delay_s=0.05 loss=0.01; both ways without up. or down.")
+    app.add_option("--link", options.link,
+                   "change single settings of it, e.g. up.delay_s=0.05 loss=0.01; without up. or down. in "
+                   "both directions")
         ->type_name("KEY=VALUE");
-    app.add_option("--seed", options.seed,
-                   "the same seed gives each packet the same fate; 1, or that of tc's words");
+    app.add_option("-s,--seed", options.seed,
+                   "random seed; the same seed gives each packet the same fate (default 1, or tc's seed)");
 }
 
 Network read_network(const NetworkOptions& options) {

@@ -29,7 +29,7 @@ struct Network {
 // --profile, --link and --seed. `options` outlives the parsing.
 void add_network_options(CLI::App& app, NetworkOptions& options);
 
-// `length_s` 0: the usual length.
+// `length_s`: s; 0: the default length.
 SelftestSettings selftest_settings(const NetworkOptions& options, double length_s);
 // The exit code: 1 if the verdict is FAIL.
 int run_and_print(const SelftestSettings& settings, SelftestPath& path, bool json);

@@ -40,16 +40,16 @@ int run_node(int argc, char** argv) {
     NodeProgram program;
     program.name = "thimble-netem";
     program.description =
-        "Relays the datagrams between master and slave_sim through a delay, jitter and loss model: one link "
-        "for the needle, one each for the force to handle, fingertips and screen.";
+        "Delays, varies and loses the datagrams between master and slave_sim: one link for the needle, one "
+        "each for the force to handle, fingertips and screen.";
     program.example = "thimble-netem deploy/sessions/delay50.toml --force-delay-s 0.05";
     program.add_options = [&](CLI::App& app) {
         const CLI::Range most_a_minute(0.0, 60.0);
         app.add_option("--force-delay-s", force_delay_s,
-                       "one-way delay of the force path, instead of [netem.force].delay_s")
+                       "one-way delay of the force path, s, instead of [netem.force] delay_s")
             ->check(most_a_minute);
         app.add_option("--needle-delay-s", needle_delay_s,
-                       "one-way delay of the needle path, instead of [netem.needle].delay_s")
+                       "one-way delay of the needle path, s, instead of [netem.needle] delay_s")
             ->check(most_a_minute);
     };
     program.tables = {"network", "runtime", "netem"};

@@ -35,10 +35,10 @@ void print_tc_commands(const LinkPair& links, const std::string& devices) {
     const std::string to_clients = comma == std::string::npos ? devices : devices.substr(comma + 1);
     const auto print_way = [&](const std::string& way, const LinkSettings& link, const std::string& device) {
         fmt::print("# {}\n", way);
-        if (link == LinkSettings{}) return fmt::print("# nothing: this way needs no netem\n");
+        if (link == LinkSettings{}) return fmt::print("# no netem is needed in this direction\n");
         const TcCommands tc = print_tc(link, device);
         fmt::print("{}\n", tc.command);
-        for (const std::string& gap : tc.cannot) fmt::print("# not the same: {}\n", gap);
+        for (const std::string& gap : tc.cannot) fmt::print("# differs: {}\n", gap);
     };
     const bool one = comma == std::string::npos;
     print_way(fmt::format("up: {} at its device towards the server",
@@ -69,7 +69,7 @@ UdpAddress metrics_address(const std::string& text) {
 RelaySettings relay_settings(const RelayOptions& options) {
     if (options.listen.size() != options.to.size() || options.listen.empty()) {
         throw Error(ExitCode::kUsage,
-                    "{} times --listen and {} times --to: each --listen PORT needs its --to HOST:PORT",
+                    "{} times --listen and {} times --to: give one --to HOST:PORT for each --listen PORT",
                     options.listen.size(), options.to.size());
     }
     RelaySettings relay;
@@ -127,37 +127,42 @@ int selftest(const RelayOptions& options) {
 }
 
 void add_traffic_options(CLI::App& app, RelayOptions& o) {
-    app.add_option("--listen", o.listen, "where clients send to; several times for several servers")
+    app.add_option("--listen", o.listen, "where clients send to; give it several times for several servers")
         ->type_name("[HOST:]PORT")
         ->take_all();
-    app.add_option("--to", o.to, "the server behind, one for each --listen")
+    app.add_option("--to", o.to, "where the server is; one for each --listen")
         ->type_name("HOST:PORT")
         ->take_all();
     add_network_options(app, o.network);
-    app.add_option("--max-flows", o.most_flows, "clients at the same time")
+    app.add_option("--max-flows", o.most_flows, "most clients at the same time")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
-    app.add_option("--idle-s", o.idle_s, "a client silent for so long is forgotten")
+    app.add_option("--idle-s", o.idle_s, "forget a client after this silence, s")
         ->check(CLI::Range(0.1, 86400.0))
         ->capture_default_str();
 }
 
 void add_run_options(CLI::App& app, RelayOptions& o) {
-    app.add_option("--seconds", o.seconds, "end after so long by itself (--selftest: 10 s)")
+    app.add_option("--seconds", o.seconds, "end after this time, s (default never; with --selftest 10)")
         ->check(CLI::Range(0.1, 86400.0));
-    app.add_flag("--precise", o.precise, "spin before due times: microseconds instead of tens, for some CPU");
+    app.add_flag(
+        "--precise", o.precise,
+        "busy-wait before each send: microseconds of error instead of tens, at the cost of processor time");
     app.add_flag("--default-scheduling", o.default_scheduling, "do not ask for real-time scheduling");
     app.add_flag("--strict-rt", o.strict_rt, "exit with 4 if more than 1 in 1000 packets left 1 ms late");
-    app.add_option("--log", o.log, "write what became of each packet; text if it ends in .csv")
+    app.add_option("--log", o.log, "write the fate of each packet; as text if the name ends in .csv")
         ->type_name("FILE");
-    app.add_option("--control", o.control, "socket for set, show and watch")->type_name("PATH");
-    app.add_option("--metrics", o.metrics, "serve metrics for Prometheus there, at /metrics")
+    app.add_option("--control", o.control, "make a socket for the commands set, show and watch")
+        ->type_name("PATH");
+    app.add_option("--metrics", o.metrics, "serve metrics for Prometheus at /metrics")
         ->type_name("[HOST:]PORT");
-    app.add_flag("--json", o.json, "summary as JSON");
+    app.add_flag("--json", o.json, "print the summary as JSON on stdout, instead of text");
     app.add_option("--print-tc", o.print_tc,
-                   "only print the same for the kernel's netem: its device to the server, and to the clients")
+                   "only print the same network as tc commands, for its device to the server and its device "
+                   "to the clients")
         ->type_name("DEVICE[,DEVICE]");
-    app.add_flag("--selftest", o.selftest, "send own traffic and say whether this machine can be trusted");
+    app.add_flag("--selftest", o.selftest,
+                 "send test traffic and report whether this machine is accurate enough");
 }
 
 }  // namespace

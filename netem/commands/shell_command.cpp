@@ -26,7 +26,7 @@ struct ShellOptions {
     bool precise = false, json = false, default_scheduling = false, selftest = false;
 };
 
-// The programs behind each "--".
+// The command lines after each "--".
 std::vector<std::vector<std::string>> split_commands(const std::vector<std::string>& words) {
     std::vector<std::vector<std::string>> commands;
     for (const std::string& word : words) {
@@ -74,34 +74,33 @@ std::shared_ptr<ShellOptions> options_of(CLI::App& command, const char* up, cons
         ->type_name("WORDS");
     command.add_option("--downlink", o->network.downlink, fmt::format("tc's words for {}", down))
         ->type_name("WORDS");
-    command.add_flag("--precise", o->precise,
-                     "spin before due times: microseconds instead of tens, for some CPU");
+    command.add_flag(
+        "--precise", o->precise,
+        "busy-wait before each send: microseconds of error instead of tens, at the cost of processor time");
     command.add_flag("--default-scheduling", o->default_scheduling, "do not ask for real-time scheduling");
-    command.add_option("--log", o->log, "write what became of each packet; text if it ends in .csv")
+    command.add_option("--log", o->log, "write the fate of each packet; as text if the name ends in .csv")
         ->type_name("FILE");
-    command.add_option("--control", o->control, "socket for set, show and watch")->type_name("PATH");
-    command.add_flag("--json", o->json,
-                     "summary as JSON on standard output instead of text on standard error");
+    command.add_option("--control", o->control, "make a socket for the commands set, show and watch")
+        ->type_name("PATH");
+    command.add_flag("--json", o->json, "print the summary as JSON on stdout, instead of text on stderr");
     return o;
 }
 
 }  // namespace
 
 NetemCommand add_shell(CLI::App& app, const std::vector<std::string>& programs) {
-    CLI::App* command =
-        app.add_subcommand("shell", "a program, or your shell, behind a link: -- PROGRAM [ARGUMENT...]");
-    const auto options = options_of(*command, "what the program sends", "what comes back");
-    command->add_flag(
-        "--selftest", options->selftest,
-        "no program: send own traffic between two namespaces, and say whether this machine can be "
-        "trusted");
-    command->add_option("--seconds", options->seconds, "how long --selftest takes (10)")
+    CLI::App* command = app.add_subcommand(
+        "shell", "run a program, or your shell, behind an emulated network: -- PROGRAM [ARGUMENT...]");
+    const auto options = options_of(*command, "packets that the program sends", "packets that it receives");
+    command->add_flag("--selftest", options->selftest,
+                      "run no program: send test traffic and report whether this machine is accurate enough");
+    command->add_option("--seconds", options->seconds, "duration of --selftest, s (default 10)")
         ->check(CLI::Range(0.1, 86400.0));
     return {command, [options, programs] {
                 auto commands = split_commands(programs);
                 if (options->selftest && !commands.empty())
                     throw Error(ExitCode::kUsage,
-                                "shell: --selftest has its own traffic: leave out '--' and the program");
+                                "shell: --selftest makes its own traffic: leave out '--' and the program");
                 if (options->selftest) return selftest(*options);
                 if (commands.empty()) {
                     const char* shell = std::getenv("SHELL");
@@ -109,15 +108,16 @@ NetemCommand add_shell(CLI::App& app, const std::vector<std::string>& programs) 
                 }
                 if (commands.size() > 1 || commands[0].empty())
                     throw Error(ExitCode::kUsage,
-                                "shell: write one program behind '--', or none for your shell");
+                                "shell: write one program after '--', or none for your shell");
                 return run(*options, commands);
             }};
 }
 
 NetemCommand add_pair(CLI::App& app, const std::vector<std::string>& programs) {
-    CLI::App* command =
-        app.add_subcommand("pair", "a link between two programs: -- PROGRAM... -- PROGRAM...");
-    const auto options = options_of(*command, "what the first program sends", "what the second one sends");
+    CLI::App* command = app.add_subcommand(
+        "pair", "run two programs with an emulated network between them: -- PROGRAM... -- PROGRAM...");
+    const auto options =
+        options_of(*command, "packets that the first program sends", "packets that the second program sends");
     return {command, [options, programs] {
                 const auto commands = split_commands(programs);
                 if (commands.size() != 2 || commands[0].empty() || commands[1].empty())

@@ -11,7 +11,9 @@
 
 #include <fmt/format.h>
 
+#include "common/decimal_text.hpp"
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "netem/formats/text_lines.hpp"
 #include "netem/jitter_table.hpp"
 
@@ -23,9 +25,9 @@ inline constexpr std::size_t kMostDistValues = 16384;  // as tc takes; its own t
 inline constexpr std::int64_t kLeastDistValue = -32768, kMostDistValue = 32767;
 
 inline double deviate_of(std::string_view word, const LineReader& lines) {
-    const auto value = parse_integer(word);
+    const auto value = parse_whole<std::int64_t>(word);
     if (!value || *value < kLeastDistValue || *value > kMostDistValue) {
-        lines.fail("'{}' is no whole number from {} to {}", word.substr(0, 40), kLeastDistValue,
+        lines.fail("'{}' is not a whole number from {} to {}", word.substr(0, 40), kLeastDistValue,
                    kMostDistValue);
     }
     return static_cast<double>(*value) / kDistScale;
@@ -40,7 +42,7 @@ inline JitterTable parse_jitter_table(std::string_view text, std::string_view na
         if (!lines.line().empty() && lines.line().front() == '#') continue;
         for (const std::string_view word : words_of(lines.line())) {
             if (deviates.size() == kMostDistValues) {
-                lines.fail("more than {} values, the most that tc takes", kMostDistValues);
+                lines.fail("more than {} values; tc takes no more", kMostDistValues);
             }
             deviates.push_back(deviate_of(word, lines));
         }
@@ -72,12 +74,13 @@ inline std::shared_ptr<const JitterTable> find_jitter_table(std::string_view nam
         }
     }
     throw Error(ExitCode::kUsage,
-                "distribution '{}': neither uniform, normal, pareto or paretonormal nor a .dist file here or "
-                "in tc's folders (TC_LIB_DIR)",
+                "distribution '{}': use uniform, normal, pareto or paretonormal, or a .dist file here or in "
+                "tc's folders (TC_LIB_DIR)",
                 name);
 }
 
-// `values` of them, at the middle of equal shares, as tc's own tables are made. Values beyond 4 spreads are cut, because a value has 16 bits.
+// `values` of them, at the middle of equal shares, as tc's own tables are made. Values beyond 4 spreads are cut,
+// because a value has 16 bits.
 inline std::string print_jitter_table(const JitterTable& table, std::string_view comment,
                                       std::size_t values = 4096) {
     std::string text = "# " + std::string(comment);

@@ -26,7 +26,7 @@ constexpr double kFlatSpread_s = 1e-9;  // below what a stamp can tell
 constexpr std::array kFitted{JitterShape::kUniform, JitterShape::kNormal, JitterShape::kGamma,
                              JitterShape::kPareto, JitterShape::kParetoNormal};
 
-// Pareto was a person.
+// Pareto is a name, with a capital letter.
 std::string name_of(JitterShape shape) {
     std::string name(to_string(shape));
     if (name.front() == 'p') name.front() = 'P';
@@ -175,7 +175,8 @@ std::size_t count_overtaking(const MeasuredPath& path, LinkSettings link) {
     return model.counters().reordered;
 }
 
-// A little overtaking beside jitter that would give much is of another kind: order is kept then.
+// If packets overtook far less often than the fitted jitter would cause, the jitter is of another kind and the order
+// is kept.
 void fit_order(const MeasuredPath& path, PathFit& fit) {
     fit.reordered = count_reordered(path);
     if (fit.reordered == 0 || fit.link.jitter.shape == JitterShape::kNone) return;
@@ -233,7 +234,7 @@ void fit_loss(const MeasuredPath& path, PathFit& fit) {
         loss = LossSettings::independent(share);
         return;
     }
-    // The only burst has no beginning or no end here: a chain that never enters or leaves it would lose none or all.
+    // The only burst is cut at one end. A chain that never enters or leaves the bad state would lose none or all.
     if (t.to_lost == 0) fit.burst_cut_at = "beginning";
     if (t.to_received == 0) fit.burst_cut_at = "end";
     if (!fit.burst_cut_at.empty() || fit.mean_burst > kLongestBurst) {
@@ -250,16 +251,16 @@ void describe_order(PathFit& fit) {
     const std::string seen = fmt::format("{} packets arrive after one that was sent later", fit.reordered);
     if (fit.link.jitter.shape == JitterShape::kNone) {
         return fit.sentences.push_back(seen +
-                                       "; without jitter the profile has nothing like it: replay the trace.");
+                                       "; a profile without jitter has none of these: replay the trace.");
     }
     fit.sentences.push_back(fmt::format(
-        "{}; a link with this jitter that keeps no order has {}, so the profile {}.", seen,
+        "{}; a link with this jitter that does not keep the order has {}, so the profile {}.", seen,
         fit.would_overtake, fit.link.in_order ? "keeps their order" : "lets packets overtake each other"));
 }
 
 std::string verdict_on(double distance) {
     if (distance < 0.03) return "which is close";
-    if (distance < 0.08) return "which is fair; replay the trace where the shape matters";
+    if (distance < 0.08) return "which is fair; replay the trace if the exact distribution matters";
     return "which is poor: replay the trace itself, or use its table (--table)";
 }
 
@@ -275,12 +276,12 @@ void describe_delay(PathFit& fit) {
     if (fit.delay_sd_s < kFlatSpread_s) return fit.sentences.push_back("It does not vary.");
     if (fit.shapes.empty()) {
         return fit.sentences.push_back(
-            "Most of it is near 0 and a few packets are far from that: no shape is like it; replay the "
+            "Most of it is near 0 and a few packets are far from that: no distribution fits; replay the "
             "trace.");
     }
     std::string line = fmt::format(
-        "The {} shape is the nearest: its distribution differs by at most {:.1f} % of the "
-        "packets (Kolmogorov-Smirnov distance), {}. The others:",
+        "The {} shape fits best: its distribution differs by at most {:.1f} % of the packets "
+        "(Kolmogorov-Smirnov distance), {}. The others:",
         name_of(fit.shapes[0].shape), 100 * fit.shapes[0].distance, verdict_on(fit.shapes[0].distance));
     for (std::size_t i = 1; i < fit.shapes.size(); ++i) {
         line += fmt::format("{} {} {:.1f} %", i == 1 ? "" : ",", name_of(fit.shapes[i].shape),
@@ -289,7 +290,7 @@ void describe_delay(PathFit& fit) {
     fit.sentences.push_back(line + '.');
     fit.sentences.push_back(fmt::format("Successive delays correlate by {:.3f} (normal scores, lag 1){}.",
                                         fit.correlation,
-                                        fit.link.jitter.correlation > 0 ? "" : ", which is taken for none"));
+                                        fit.link.jitter.correlation > 0 ? "" : ", treated as none"));
 }
 
 // How many losses in a row a chain with these parameters would show at most, in so many bursts: geometric.
@@ -313,27 +314,25 @@ void describe_loss(PathFit& fit) {
     const LossSettings& loss = fit.link.loss;
     if (loss.shape != LossShape::kGilbertElliott) {
         fit.sentences.push_back(
-            fmt::format("They are independent of one another as far as they tell (G = {:.1f}; above {} "
-                        "they would not be).",
+            fmt::format("They look independent of one another (G = {:.1f}; {} or less is by chance).",
                         fit.loss_g, kMemoryG));
         return;
     }
     if (!fit.burst_cut_at.empty()) {
         fit.sentences.push_back(fmt::format(
-            "They are one burst that the path cuts off at its {} (G = {:.1f}, chance ends at {}): "
-            "Gilbert model with its share and a mean burst of {}, which is a lower bound; measure "
-            "for longer.",
+            "They are one burst that the path cuts off at its {} (G = {:.1f}, by chance up to {}): Gilbert "
+            "model with its share and a mean burst of {}, which is a lower bound; measure for longer.",
             fit.burst_cut_at, fit.loss_g, kMemoryG, fit.lost));
         return;
     }
     const double bursts = static_cast<double>(fit.lost) / fit.mean_burst;
     const double expected = expected_longest(bursts, loss.bad_to_good);
     fit.sentences.push_back(fmt::format(
-        "They come in bursts (G = {:.1f}, chance ends at {}): Gilbert model, p = {:.4g}, r = {:.4g}. Of "
-        "{:.0f} bursts it lets the longest be about {:.0f} packets; here it is {}{}.",
+        "They come in bursts (G = {:.1f}, by chance up to {}): Gilbert model, p = {:.4g}, r = {:.4g}. Of "
+        "{:.0f} bursts its longest has about {:.0f} packets; here it is {}{}.",
         fit.loss_g, kMemoryG, loss.good_to_bad, loss.bad_to_good, bursts, expected, fit.longest_burst,
         static_cast<double>(fit.longest_burst) > 2 * expected + 2
-            ? ", so some are of another kind: give them as outages, or replay the trace"
+            ? ", so some bursts are of another kind: write them as outages, or replay the trace"
             : ""));
 }
 

@@ -101,8 +101,8 @@ class TextReader {
         }
         if (places_.empty()) refuse_without_netem();
         if (strangers_ > 0)
-            note(fmt::format("{} {} not tc's and left out", strangers_,
-                             strangers_ == 1 ? "command is" : "commands are"));
+            note(fmt::format("left out {} {} not part of tc", strangers_,
+                             strangers_ == 1 ? "command that is" : "commands that are"));
         for (const std::string& kind : kinds_) note(fmt::format("{}; it is left out", about(kind)));
         gather();
         return std::move(result_);
@@ -224,7 +224,7 @@ class TextReader {
 
     static std::string about(const std::string& kind) {
         if (kind == "filter")
-            return "filter sorts packets, which is not netem's: here every packet meets the netem";
+            return "filter sorts packets, which netem does not do: here every packet passes through netem";
         if (kind == "class") return "class belongs to a qdisc such as htb, not to netem";
         if (kind == "tbf" || kind == "htb" || kind == "cake" || kind == "hfsc")
             return kind + " limits the rate and is not netem's: netem's own word is `rate 10mbit`";
@@ -239,7 +239,7 @@ class TextReader {
                 removed_));
         }
         if (!kinds_.empty()) refuse(fmt::format("there is no \"netem\": {}", about(*kinds_.begin())));
-        if (shows_) refuse("this command only shows qdiscs: paste what it prints");
+        if (shows_) refuse("this command only shows qdiscs: paste its output");
         refuse("there is no \"netem\": only netem's words are read");
     }
 
@@ -256,10 +256,10 @@ class TextReader {
                 note(fmt::format("dev {}: a netem inside another is read as one with the words of both",
                                  place.device));
             } else {
-                refuse(fmt::format(
-                    "dev {} has several netem qdiscs, for different packets (a filter sorts them): "
-                    "give the words of one",
-                    place.device));
+                refuse(
+                    fmt::format("dev {} has several netem qdiscs, for different packets (a filter sorts "
+                                "them): write the words of one",
+                                place.device));
             }
         }
     }

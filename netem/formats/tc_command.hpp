@@ -1,5 +1,5 @@
-// Finds netem's words in a shell's text: in command lines of tc ("sudo tc qdisc add dev eth0 root netem delay 50ms && ..."), in
-// the output of `tc qdisc show`, or alone. Splits and sorts only; tc_text.hpp reads the words.
+// Finds the netem options in shell text: in tc command lines ("sudo tc qdisc add dev eth0 root netem delay 50ms &&
+// ..."), in the output of `tc qdisc show`, or alone. It only splits and sorts; tc_text.hpp reads the options.
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ struct TcText {
 // Throws Error (usage) if no netem qdisc is left at the end, or if one device has several for different packets.
 TcText read_tc_text(std::string_view text);
 
-// Whether a shell's text is meant: it names tc, or begins as the output of `tc qdisc show` does.
+// True if the text names tc or begins like the output of `tc qdisc show`.
 bool looks_like_tc_commands(std::string_view text);
 
 }  // namespace thimble

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "netem/formats/tc_text.hpp"
-#include "netem/formats/tc_units.hpp"
 
 namespace thimble {
 namespace {
@@ -83,7 +82,8 @@ class TcPrinter {
                 return cannot_reach("Pareto-normal", 0.83);
             case JitterShape::kGamma:
                 say("distribution normal");
-                return cannot("jitter: tc has no gamma shape; normal of the same spread stands in its place");
+                return cannot(
+                    "jitter: tc has no gamma shape; a normal shape of the same spread is used instead");
             case JitterShape::kTable:
                 say("distribution {}", kTableName);
                 return cannot(
@@ -148,8 +148,8 @@ class TcPrinter {
         if (rate.cell_bytes > 0) say("{} {}", rate.cell_bytes, rate.cell_overhead_bytes);
         if (rate.queue_packets > 0 || rate.queue_bytes > 0) {
             cannot(
-                "rate: tc has one limit for what queues and what is delayed, in packets; chain a tbf or "
-                "pfifo for a limit of the queue");
+                "rate: tc has one limit, in packets, for queued and delayed packets together; chain a tbf or "
+                "pfifo to limit the queue");
         }
         if (rate.drop == Drop::kHead) cannot("rate: tc drops the newest packet, not the oldest");
         cannot(

@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <optional>
 #include <set>
 #include <span>
 
 #include <fmt/format.h>
 
+#include "common/decimal_text.hpp"
 #include "common/error.hpp"
 #include "netem/formats/jitter_table_file.hpp"
 #include "netem/formats/tc_command.hpp"
-#include "netem/formats/tc_units.hpp"
 #include "netem/formats/text_lines.hpp"
 
 namespace thimble {
@@ -53,11 +52,11 @@ class TcParser {
         const Option* option = find(words_[at_]);
         if (option == nullptr) {
             fail_word(
-                "is none of limit, delay, distribution, loss, ecn, duplicate, corrupt, reorder, gap, rate, "
-                "slot, seed, ordered, unordered, both");
+                "is not one of limit, delay, distribution, loss, ecn, duplicate, corrupt, reorder, gap, "
+                "rate, slot, seed, ordered, unordered, both");
         }
         option_ = option->name == "latency" ? "delay" : option->name == "drop" ? "loss" : option->name;
-        if (!seen_.insert(option_).second) fail_word("stands there twice");
+        if (!seen_.insert(option_).second) fail_word("appears twice");
         ++at_;
         option->read(*this);
     }
@@ -65,7 +64,7 @@ class TcParser {
     [[noreturn]] void fail(std::string_view why) const { throw Error(ExitCode::kUsage, "tc words: {}", why); }
     [[noreturn]] void fail_word(std::string_view why) const {
         if (at_ < words_.size() && words_[at_].find('$') != std::string_view::npos)
-            why = "is a shell variable: put its value there";
+            why = "is a shell variable: write its value";
         if (at_ < words_.size()) fail(fmt::format("word {}, '{}', {}", at_ + 1, words_[at_], why));
         fail(fmt::format("after '{}': {}", option_, why));
     }
@@ -101,10 +100,10 @@ class TcParser {
     void drop_correlation(std::string_view what) {
         const double correlation = take_share_if_any(0);
         if (correlation > 0) {
-            note(fmt::format(
-                "{}: the correlation of {} is left out, each packet's fate is its own; tc's would "
-                "change the share as well",
-                what, print_tc_share(correlation)));
+            note(
+                fmt::format("{}: the correlation of {} is left out; each packet's fate is independent here, "
+                            "and tc's correlation would change the share as well",
+                            what, print_tc_share(correlation)));
         }
     }
 
@@ -127,7 +126,9 @@ class TcParser {
         link().jitter.spread = take_time(kMicrosecond);
         if (link().jitter.spread > Duration::zero()) link().jitter.shape = JitterShape::kUniform;
         if (shown_)
-            note("delay: tc does not show a distribution, so uniform is read; add the word if there was one");
+            note(
+                "delay: tc's output has no distribution, so uniform is assumed; add the word if it was "
+                "another one");
         if (!number_is_next()) return;
         link().jitter.correlation = take("a correlation such as 25%, below 100%", [](std::string_view word) {
             const auto share = parse_tc_share(word);
@@ -216,7 +217,7 @@ class TcParser {
     std::size_t take_bytes(std::string_view name, std::string_view kind) {
         skip_name(name);
         if (at_ < words_.size() && words_[at_][0] == '-')
-            fail_word("is a negative overhead: a relay sees payloads only, there is no header to take off");
+            fail_word("is a negative overhead: a relay sees payloads only and cannot remove headers");
         return number_is_next() ? take_count(kind, 0, 65535) : 0;
     }
     void slot() {
@@ -230,18 +231,14 @@ class TcParser {
             slot.least = slot.most = take_time(Duration{1});
             if (number_is_next()) slot.most = take_time(Duration{1});
         }
-        if (slot.most < slot.least) fail("slot: the second time is the longer one");
-        if (slot.most == Duration::zero()) fail("slot: slots of length 0 are none; remove the word");
+        if (slot.most < slot.least) fail("slot: the second time must be the longer one");
+        if (slot.most == Duration::zero()) fail("slot: slots of length 0 have no effect; remove the word");
         if (take_word("packets")) slot.packets = take_count("a number of packets", 0, kMostPackets);
         if (take_word("bytes")) slot.bytes = take_count("a number of bytes", 0, 4294967295);
     }
     void seed() {
-        result_.seed = take("a whole number", [](std::string_view word) {
-            std::uint64_t value = 0;
-            const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-            return error == std::errc{} && end == word.data() + word.size() ? std::optional(value)
-                                                                            : std::nullopt;
-        });
+        result_.seed =
+            take("a whole number", [](std::string_view word) { return parse_whole<std::uint64_t>(word); });
     }
     bool take_word(std::string_view name) {
         if (at_ == words_.size() || !name.starts_with(words_[at_])) return false;
@@ -279,8 +276,8 @@ class TcParser {
         if (seen_.count("limit") == 0) link().capacity = enough_capacity();
         if (jitter.spread > link().delay) {
             note(
-                "delay: the jitter is larger than the delay, and no delay is below 0: its mean is then "
-                "larger than what was asked");
+                "delay: the jitter is larger than the delay, and no delay is below 0: the mean is then "
+                "larger than requested");
         }
     }
     // As of a session file: twice what a flow of 1 kHz needs.

@@ -5,6 +5,7 @@
 // where a word means another thing than in tc.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -13,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/time.hpp"
 #include "netem/link_settings.hpp"
 
 namespace thimble {
@@ -59,5 +61,22 @@ struct TcCommands {
 // parse_tc(print_tc(x).words).up is x for all that tc can express: jitter other than gamma, corruption of one
 // bit, order kept unless there is `reorder`, or jitter without a rate; no outages, traces, limits of the rate's own queue.
 TcCommands print_tc(const LinkSettings& link, std::string_view device);
+
+// Times, shares, rates and sizes as tc writes and reads them (iproute2, man tc "PARAMETERS"). Both ways are exact:
+// what is printed here is read back as the same value.
+
+// "50ms", "0.8s", "100usec", "5ns". A bare number is in units of `bare`: microseconds for delays, nanoseconds for
+// slots. Nothing for what is no time, negative, or above an hour.
+std::optional<Duration> parse_tc_time(std::string_view word, Duration bare);
+// "0.5%" or "0.5": 0.005. Nothing outside of 0 to 100.
+std::optional<double> parse_tc_share(std::string_view word);
+// Bits per second: "1mbit", "125kbps" (bytes per second), "1mibit", a bare number in bit/s.
+std::optional<double> parse_tc_rate(std::string_view word);
+// Bytes: "64k" is 65536, "8kbit" 1024, a bare number bytes.
+std::optional<std::size_t> parse_tc_size(std::string_view word);
+
+std::string print_tc_time(Duration time);
+std::string print_tc_share(double share);
+std::string print_tc_rate(double bits_per_s);
 
 }  // namespace thimble

@@ -1,5 +1,3 @@
-#include "netem/formats/tc_units.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -8,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/decimal_text.hpp"
-#include "netem/formats/text_lines.hpp"
+#include "netem/formats/tc_text.hpp"
 
 namespace thimble {
 namespace {
@@ -18,7 +16,7 @@ std::optional<double> shifted(std::string_view number, int power) {
     const std::size_t e = number.find_first_of("eE");
     std::string_view exponent = e == std::string_view::npos ? "0" : number.substr(e + 1);
     if (!exponent.empty() && exponent.front() == '+') exponent.remove_prefix(1);
-    const auto given = parse_integer(exponent);
+    const auto given = parse_whole<std::int64_t>(exponent);
     if (!given || std::abs(*given) > 400) return {};
     return parse_number(fmt::format("{}e{}", number.substr(0, e), *given + power));
 }
@@ -33,7 +31,7 @@ std::string print_shifted(double value, int power) {
     std::string digits(shortest.substr(0, e));
     std::erase(digits, '.');
     const bool signless = shortest[e + 1] == '+';
-    const auto exponent = *parse_integer(shortest.substr(e + (signless ? 2 : 1)));
+    const auto exponent = *parse_whole<std::int64_t>(shortest.substr(e + (signless ? 2 : 1)));
     const auto point = static_cast<std::ptrdiff_t>(exponent + power + 1);  // digits before it
     if (point <= 0) return "0." + std::string(static_cast<std::size_t>(-point), '0') + digits;
     const auto before = static_cast<std::size_t>(point);

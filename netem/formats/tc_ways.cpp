@@ -1,4 +1,4 @@
-// Which way the netem of a device is, and what a whole text of tc says of both.
+// Assigns the netem of each device to a direction, and combines both directions.
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 namespace thimble {
 namespace {
 
-// Adds what is said of one device.
+// Reads the options of one device.
 LinkSettings read_device(const TcQdisc& qdisc, const TableFinder& find_table, bool& both, TcWays& ways) {
     TcLink tc = parse_netem_words(qdisc, find_table);
     both = tc.both;
@@ -35,11 +35,11 @@ void read_one_device(const TcQdisc& qdisc, const TableFinder& find_table, TcWays
     if (!incoming) ways.up = link;
     if (incoming || both) ways.down = link;
     ways.one_way = !incoming && !both;
-    if (incoming)
-        ways.notes.push_back(fmt::format("dev {} gets what comes in: it is the way down only", qdisc.device));
+    if (incoming) ways.notes.push_back(fmt::format("dev {} receives: it is the way down only", qdisc.device));
     if (ways.one_way)
         ways.notes.emplace_back(
-            "tc's words are for what leaves a device, the way up only; add `both` for the way down, too");
+            "tc's words are for packets that leave a device, the way up only; add `both` for the way down as "
+            "well");
 }
 
 void read_two_devices(std::vector<TcQdisc>& qdiscs, const TableFinder& find_table, TcWays& ways) {

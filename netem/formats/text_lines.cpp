@@ -1,26 +1,8 @@
 #include "netem/formats/text_lines.hpp"
 
-#include <charconv>
-#include <fstream>
-
 #include "common/error.hpp"
-#include "common/text_file.hpp"
 
 namespace thimble {
-
-std::string read_whole_file(const std::filesystem::path& path, std::size_t most_bytes) {
-    refuse_folder(path, ExitCode::kData);
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream.is_open()) {
-        throw Error(ExitCode::kData, "{}: cannot be read; does this file exist, and is it yours to read?",
-                    path.string());
-    }
-    // Not by the file's size: a pipe has none.
-    std::string text = read_to_end(stream, path, most_bytes);
-    if (text.size() <= most_bytes) return text;
-    throw Error(ExitCode::kData, "{}: is larger than {} bytes, the most that is read", path.string(),
-                most_bytes);
-}
 
 void fail_at_line(std::string_view name, std::size_t line, std::string_view why) {
     throw Error(ExitCode::kData, "{}:{}: {}", name, line, why);
@@ -69,13 +51,6 @@ std::vector<std::string_view> fields_of(std::string_view line) {
         if (comma == std::string_view::npos) return fields;
         line.remove_prefix(comma + 1);
     }
-}
-
-std::optional<std::int64_t> parse_integer(std::string_view text) {
-    std::int64_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size()) return {};
-    return value;
 }
 
 }  // namespace thimble

@@ -2,9 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,12 +9,6 @@
 #include <fmt/format.h>
 
 namespace thimble {
-
-// A trace of an hour at 1 kHz takes about 100 MB. A larger file is a mistake.
-inline constexpr std::size_t kMostFileBytes = std::size_t{512} << 20;
-
-// The whole file. Throws Error (data) if it cannot be read or is larger than `most_bytes`.
-std::string read_whole_file(const std::filesystem::path& path, std::size_t most_bytes = kMostFileBytes);
 
 // Error (data): "name:line: why".
 [[noreturn]] void fail_at_line(std::string_view name, std::size_t line, std::string_view why);
@@ -48,6 +39,5 @@ std::string_view trimmed(std::string_view text);  // without blanks and tabs at 
 std::vector<std::string_view> words_of(std::string_view text);
 // Fields between commas, trimmed.
 std::vector<std::string_view> fields_of(std::string_view line);
-std::optional<std::int64_t> parse_integer(std::string_view text);
 
 }  // namespace thimble

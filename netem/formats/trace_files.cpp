@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "common/csv/spreadsheet.hpp"
+#include "common/csv/csv.hpp"
 #include "common/decimal_text.hpp"
 #include "common/error.hpp"
 #include "netem/formats/text_lines.hpp"
@@ -77,7 +77,7 @@ class PathParser {
                     "unknown column '{}': a trace has time_s or packet, delay_s, loss, rate_bits_per_s",
                     field.substr(0, 40));
             }
-            if (has(known->quantity)) lines_.fail("column '{}' is there twice", field);
+            if (has(known->quantity)) lines_.fail("column '{}' appears twice", field);
             columns_.push_back(*known);
         }
         if (has(Quantity::kTime) && has(Quantity::kPacket)) lines_.fail("has both times and packet numbers");
@@ -108,7 +108,7 @@ class PathParser {
     // Up to `most` after scaling.
     double number_in(std::string_view field, const ColumnName& column, double most) const {
         const auto value = parse_number(field);
-        if (!value) lines_.fail("{}: '{}' is no finite number", column.name, field.substr(0, 40));
+        if (!value) lines_.fail("{}: '{}' is not a finite number", column.name, field.substr(0, 40));
         if (!(*value >= 0 && *value * column.scale <= most)) {
             lines_.fail("{}: {} must lie between 0 and {}", column.name, *value, most / column.scale);
         }
@@ -125,7 +125,7 @@ class PathParser {
                 packet.at = nanoseconds_in(field, column, kLongestPath);
                 return;
             case Quantity::kPacket:
-                packet.at = parse_integer(field).value_or(-1);
+                packet.at = parse_whole<std::int64_t>(field).value_or(-1);
                 if (packet.at < 0) lines_.fail("packet: must be a whole number from 0");
                 return;
             case Quantity::kDelay:
@@ -160,7 +160,7 @@ class PathParser {
     MeasuredPath path_;
 };
 
-// Nanoseconds as seconds, every digit and no more.
+// Appends nanoseconds as seconds with all digits and no trailing zeros.
 void append_seconds(std::string& text, std::int64_t ns) {
     fmt::format_to(std::back_inserter(text), "{}.{:09}", ns / 1'000'000'000, ns % 1'000'000'000);
     while (text.back() == '0') text.pop_back();
@@ -191,7 +191,8 @@ MeasuredPath parse_path(std::string_view text, std::string_view name) {
 PacketTrace to_trace(const MeasuredPath& path, const TraceChoice& choice, std::string_view name) {
     const TraceBy by = choice.by.value_or(path.by_packet ? TraceBy::kPacket : TraceBy::kTime);
     if (by == TraceBy::kTime && path.by_packet) {
-        throw Error(ExitCode::kData, "{}: is to be replayed by time, but has packet numbers", name);
+        throw Error(ExitCode::kData,
+                    "{}: time replay needs a column time_s, but the trace has packet numbers", name);
     }
     std::vector<TraceRow> rows;
     rows.reserve(path.packets.size());
@@ -230,9 +231,9 @@ DeliveryTrace parse_delivery_trace(std::string_view text, std::string_view name)
     LineReader lines(text, name);
     while (lines.next()) {
         const std::string_view line = trimmed(lines.line());
-        const auto time = parse_integer(line);
+        const auto time = parse_whole<std::int64_t>(line);
         if (!time || *time < 0 || *time > kLongestDeliveries_ms) {
-            lines.fail("'{}' is no whole number of milliseconds from 0 to {}", line.substr(0, 40),
+            lines.fail("'{}' is not a whole number of milliseconds from 0 to {}", line.substr(0, 40),
                        kLongestDeliveries_ms);
         }
         if (!times_ms.empty() && *time < times_ms.back()) lines.fail("times must not fall");
@@ -244,10 +245,6 @@ DeliveryTrace parse_delivery_trace(std::string_view text, std::string_view name)
     if (times_ms.empty()) fail_at_line(name, 1, "is empty: a trace has a time in milliseconds per line");
     if (times_ms.back() == 0) lines.fail("the last time must be above 0: it is the trace's length");
     return DeliveryTrace(std::move(times_ms));
-}
-
-std::string print_delivery_trace(const DeliveryTrace& trace) {
-    return fmt::format("{}\n", fmt::join(trace.times_ms(), "\n"));
 }
 
 }  // namespace thimble

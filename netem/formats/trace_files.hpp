@@ -36,6 +36,5 @@ PacketTrace parse_packet_trace(std::string_view text, std::string_view name, con
 // mahimahi's packet-delivery traces: a whole number of milliseconds per line, not falling; each line lets 1500 bytes
 // through at that time, and the last one is where the trace begins again.
 DeliveryTrace parse_delivery_trace(std::string_view text, std::string_view name);
-std::string print_delivery_trace(const DeliveryTrace& trace);
 
 }  // namespace thimble

@@ -128,8 +128,7 @@ class CaptureParser {
     Capture parse() {
         const int link_type = pcap_datalink(file_.get());
         if (!is_known(link_type)) {
-            fail(fmt::format("link type {} is none of Ethernet, Linux cooked, loopback and raw IP",
-                             link_type));
+            fail(fmt::format("link type {} is not Ethernet, Linux cooked, loopback or raw IP", link_type));
         }
         pcap_pkthdr* header = nullptr;
         const unsigned char* data = nullptr;
@@ -160,7 +159,7 @@ class CaptureParser {
         return false;
     }
     [[noreturn]] void fail_as_none(std::string_view why) const {
-        fail(fmt::format("no capture ({}): capture with tcpdump -w", why));
+        fail(fmt::format("not a capture ({}): make one with tcpdump -w", why));
     }
     [[noreturn]] void fail(std::string_view why) const {
         throw Error(ExitCode::kData, "{}: packet {}: {}", name_, packet_, why);

@@ -42,8 +42,8 @@ class Matcher {
         pair_up();
         if (pair_.lost == sent_.size()) {
             throw Error(ExitCode::kData,
-                        "no datagram of the first capture ({} looked at) is in the second ({} looked at): "
-                        "are they of the same traffic, and are the ports right?",
+                        "no datagram of the first capture ({} read) is in the second ({} read): are they of "
+                        "the same traffic, and are the ports right?",
                         sent_.size(), received_.size());
         }
         build_path();
@@ -96,11 +96,11 @@ class Matcher {
         pair_.least = Duration{least};
         pair_.most = Duration{most};
         if (least < 0 && !options_.least_delay) {
-            throw Error(ExitCode::kData,
-                        "a datagram arrives {:.6f} s before it was sent: the two clocks are not "
-                        "synchronised. Say what the least delay should be (--least-delay-s), and only the "
-                        "variation is taken from the captures",
-                        -to_seconds(pair_.least));
+            throw Error(
+                ExitCode::kData,
+                "a datagram arrives {:.6f} s before it was sent: the two clocks are not synchronised. Give "
+                "the shortest delay with --least-delay-s; then only the variation comes from the captures",
+                -to_seconds(pair_.least));
         }
         const std::int64_t shift_ns = options_.least_delay ? options_.least_delay->count() - least : 0;
         if (most - least > kLongestPathDelay.count() || most + shift_ns > kLongestPathDelay.count()) {
@@ -125,26 +125,25 @@ class Matcher {
         auto& remarks = pair_.path.remarks;
         if (options_.least_delay) {
             remarks.push_back(fmt::format(
-                "Delays were moved by {:.6f} s, so that the least is {:.6f} s: what the path really takes is "
-                "not known from clocks that are not synchronised.",
+                "Delays were shifted by {:.6f} s, so that the shortest is {:.6f} s: clocks that are not "
+                "synchronised cannot tell the path's own delay.",
                 to_seconds(*options_.least_delay - pair_.least), to_seconds(*options_.least_delay)));
         } else {
             remarks.emplace_back(
-                "Delays are differences of two machines' stamps and no better than their clocks agree; none "
-                "is below 0, which is necessary, not sufficient.");
+                "Delays are differences of two machines' time stamps, and only as good as their clocks "
+                "agree. None is below 0, which is necessary but does not prove it.");
         }
         if (const Drift drift = clock_drift(); drift.notable()) {
             remarks.push_back(
-                fmt::format("The least delay moves by {:+.1f} us per second (standard error {:.1f}): the "
-                            "clocks run apart, or the path "
-                            "changes.",
+                fmt::format("The shortest delay changes by {:+.1f} us per second (standard error {:.1f}): "
+                            "the clocks drift, or the path changes.",
                             1e6 * drift.rate, 1e6 * drift.error));
         }
         if (pair_.ambiguous > 0) {
-            remarks.push_back(fmt::format(
-                "{} datagrams have payloads that were sent several times and not always received: which of "
-                "them was lost is a guess.",
-                pair_.ambiguous));
+            remarks.push_back(
+                fmt::format("{} datagrams have payloads that were sent several times and not always "
+                            "received: it is a guess which of them was lost.",
+                            pair_.ambiguous));
         }
     }
 

@@ -1,4 +1,4 @@
-// Measured paths out of the files of other programs: irtt, ping, tcpdump. Every refusal is an Error (data) that names the
+// Measured paths from files of other programs: irtt, ping, tcpdump. Every error is an Error (data) that names the
 // file and the place in it.
 #pragma once
 

@@ -100,7 +100,7 @@ class IrttParser {
         auto& sent_up = paths_.up.packets;
         const std::string lost = lost_of(trip);
         if (lost != "false" && lost != "true" && lost != "true_up" && lost != "true_down") {
-            fail_here(".lost is none of false, true, true_up, true_down");
+            fail_here(".lost is not false, true, true_up or true_down");
         }
         const std::int64_t sent = sent_at(trip);
         if (sent_up.empty()) start_ = sent;
@@ -125,8 +125,8 @@ class IrttParser {
         const double up_ns = mean_ns(paths_.up), down_ns = mean_ns(paths_.down);
         const double difference = up_ns + down_ns > 0 ? std::abs(up_ns - down_ns) / (up_ns + down_ns) : 0;
         if (!one_way_) {
-            return "Each delay is half of a round trip: irtt had no stamps of the server, so the directions "
-                   "cannot be told apart.";
+            return "Each delay is half of a round trip: irtt had no time stamps of the server, so the "
+                   "directions cannot be separated.";
         }
         if (difference > 2 * kSuspiciousAsymmetry) {
             return fmt::format(
@@ -135,7 +135,8 @@ class IrttParser {
                 "apart.",
                 100 * difference);
         }
-        return "Delays are one-way by the stamps of both machines and no better than their clocks agree.";
+        return "Delays are one-way, from the time stamps of both machines, and only as good as their clocks "
+               "agree.";
     }
 
     void remark() {
@@ -145,7 +146,7 @@ class IrttParser {
             path->remarks.push_back(on_clocks);
             if (unclear_ == 0) continue;
             path->remarks.push_back(
-                fmt::format("{} losses of unknown direction count as lost upwards.", unclear_));
+                fmt::format("{} losses of unknown direction count as lost on the way up.", unclear_));
         }
     }
     // A packet whose answer was lost reached the server at an unknown time.
@@ -153,8 +154,8 @@ class IrttParser {
         auto& packets = paths_.up.packets;
         std::erase_if(packets, [](const MeasuredPacket& p) { return p.loss == 0 && !p.delay; });
         if (paths_.down.packets.empty())
-            fail("no packet reached the server: there is no way down to speak of");
-        if (packets.empty()) fail("no packet was answered: there is nothing to say about the way up");
+            fail("no packet reached the server: there are no data about the way down");
+        if (packets.empty()) fail("no packet was answered: there are no data about the way up");
     }
 
     std::string_view name_;

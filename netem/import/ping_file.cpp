@@ -28,7 +28,7 @@ std::optional<double> number_after(std::string_view line, std::string_view key) 
     return parse_number(rest.substr(0, rest.find_first_not_of("0123456789.")));
 }
 
-// When the line was printed, 0 without -D.
+// Time at which the line was printed, s; 0 without -D.
 double stamp_s_of(std::string_view line) {
     return line.starts_with('[') ? number_after(line, "[").value_or(0) : 0;
 }
@@ -42,8 +42,8 @@ class PingParser {
         while (lines_.next()) read_line(lines_.line());
         if (replies_.empty()) {
             fail_at_line(name_, std::max<std::size_t>(1, lines_.number()),
-                         "no line like \"64 bytes from ...: icmp_seq=1 ttl=64 time=0.5 ms\": is this what "
-                         "ping printed, in English (LC_ALL=C)?");
+                         "no line like \"64 bytes from ...: icmp_seq=1 ttl=64 time=0.5 ms\": is this ping's "
+                         "output in English (LC_ALL=C)?");
         }
         build();
         return std::move(path_);
@@ -147,11 +147,11 @@ class PingParser {
     void remark() {
         path_.has_delay = path_.has_loss = true;
         path_.remarks.push_back(
-            "Each delay is half of a round trip and each loss may have happened on either way: ping cannot "
-            "tell the directions apart.");
+            "Each delay is half of a round trip, and each loss may be on either way: ping cannot separate "
+            "the directions.");
         if (!stamped_) {
             path_.remarks.push_back(fmt::format(
-                "Lines have no time stamps (ping -D), so packets stand {} s apart.", interval_s_));
+                "Lines have no time stamps (ping -D), so packets are assumed {} s apart.", interval_s_));
         }
         if (duplicates_ > 0)
             path_.remarks.push_back(fmt::format("{} duplicates were left out.", duplicates_));

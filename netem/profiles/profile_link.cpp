@@ -1,5 +1,3 @@
-#include "netem/profiles/profile_link.hpp"
-
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -7,6 +5,7 @@
 #include "common/duration_text.hpp"
 #include "netem/formats/jitter_table_file.hpp"
 #include "netem/formats/trace_files.hpp"
+#include "netem/profiles/profiles.hpp"
 
 namespace thimble {
 namespace {

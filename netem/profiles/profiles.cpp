@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "netem/formats/tc_text.hpp"
 #include "netem/formats/text_lines.hpp"
 
@@ -48,7 +49,7 @@ LinkProfile session_profile(const std::filesystem::path& folder, const std::stri
 
 std::size_t read_direction(const ConfigTable& change) {
     std::size_t direction = 2;
-    change.read("direction", direction, {"up", "down", "both"}, "Which way changes.");
+    change.read("direction", direction, {"up", "down", "both"}, "Direction that changes.");
     return direction;
 }
 
@@ -67,7 +68,7 @@ void read_changes(const ConfigFile& file, const FileFinder& find, LinkProfile& p
         file.root().fail("change", fmt::format("are more than {}", kMostChanges));
     for (const ConfigTable& change : changes) {
         const Duration at = read_at(change);
-        if (at < before) change.fail("at_s", "must not be before the change in front of it");
+        if (at < before) change.fail("at_s", "must not be before the previous change");
         before = at;
         const std::size_t direction = read_direction(change);
         if (direction != 1) {
@@ -115,8 +116,8 @@ const std::vector<std::string_view>& profile_names() {
 LinkProfile read_profile(const ConfigFile& file, std::string_view name, const FileFinder& find) {
     LinkProfile profile;
     profile.name = name;
-    file.root().read("about", profile.about, "One line on what the network is like.");
-    file.root().read("source", profile.source, "Where each value is from; an assumption is called one.");
+    file.root().read("about", profile.about, "One line that describes the network.");
+    file.root().read("source", profile.source, "Source of each value; assumptions are marked.");
     profile.up = read_link_settings(file.table("up"), {}, sources_of(find));
     profile.down = read_link_settings(file.table("down"), {}, sources_of(find));
     read_changes(file, find, profile);
@@ -151,8 +152,7 @@ LinkProfile load_profile(const std::string& given) {
     if (std::filesystem::is_regular_file(given))
         return parse_profile(read_whole_file(given), given, beside(given));
     if (looks_like_tc_words(given)) return of_words(given);
-    throw Error(ExitCode::kUsage,
-                "{}: there is no such profile file, and those that come with the program are {}", given,
+    throw Error(ExitCode::kUsage, "{}: there is no such profile file; the built-in ones are {}", given,
                 fmt::join(profile_names(), ", "));
 }
 
@@ -162,22 +162,12 @@ LinkSources session_sources(const std::filesystem::path& folder, Way way, const 
         const LinkProfile profile = session_profile(folder, name, read);
         const bool up = way == Way::kUp;
         if (!(up ? profile.up_changes : profile.down_changes).empty()) {
-            throw Error(ExitCode::kUsage, "{}: changes with time, which a session says in [[timeline]]",
-                        name);
+            throw Error(ExitCode::kUsage,
+                        "{}: changes with time; write the changes of a session in [[timeline]]", name);
         }
         return up || profile.one_way ? profile.up : profile.down;
     };
     return sources;
-}
-
-void load_timeline(const std::filesystem::path& path, LinkProfile& profile) {
-    const ConfigFile file = ConfigFile::load(path);
-    LinkProfile changed;
-    file.read_all([&] {
-        changed = profile;
-        read_changes(file, beside(path), changed);
-    });
-    profile = changed;
 }
 
 std::string print_profile(const LinkProfile& profile) {

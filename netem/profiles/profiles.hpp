@@ -16,10 +16,20 @@
 
 #include "common/config.hpp"
 #include "netem/formats/tc_text.hpp"
+#include "netem/link_reader.hpp"
 #include "netem/link_settings.hpp"
-#include "netem/profiles/profile_link.hpp"
 
 namespace thimble {
+
+// The text of a file that a profile names, from beside it or out of the program.
+using FileFinder = std::function<std::string(std::string_view name)>;
+
+// How a link's tables and traces are read. Throws Error (data) for what is wrong in a file.
+LinkSources sources_of(const FileFinder& find);
+
+// The keys of link_reader.hpp, one line each, without those at their defaults. Files of tables and traces are not written: a
+// link that has them gets a comment instead.
+std::string print_profile_link(const LinkSettings& link);
 
 struct LinkProfile {
     std::string name, about;
@@ -51,14 +61,11 @@ LinkProfile parse_profile(std::string_view text, std::string_view name, const Fi
 LinkProfile read_profile(const ConfigFile& file, std::string_view name, const FileFinder& find);
 
 // For one direction of a session file in `folder`: tables and traces beside it, and `profile = ` anything that
-// load_profile takes, a file first sought in `folder`; tc's words are that one direction's. A profile whose settings change with time is refused: the
-// session's own [[timeline]] is the place for that. `read` hears the name, as seen from `folder`, of every file that is
-// read.
+// load_profile takes, a file first sought in `folder`; tc's words are that one direction's. A profile whose settings
+// change with time is refused: the session's own [[timeline]] is the place for that. `read` hears the name, as seen
+// from `folder`, of every file that is read.
 using FileRead = std::function<void(std::string_view name)>;
 LinkSources session_sources(const std::filesystem::path& folder, Way way, const FileRead& read = {});
-
-// Only [[change]] tables: a timeline of its own, for links that begin as `up` and `down`.
-void load_timeline(const std::filesystem::path& path, LinkProfile& profile);
 
 // TOML that parse_profile reads; without changes.
 std::string print_profile(const LinkProfile& profile);

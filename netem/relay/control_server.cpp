@@ -60,8 +60,8 @@ void remove_stale(const std::filesystem::path& path) {
         close(probe);
         if (dead && unlink(path.c_str()) == 0) return;
     }
-    throw Error(ExitCode::kNetwork, "--control: '{}' exists and is in use or no socket: choose another path",
-                path.string());
+    throw Error(ExitCode::kNetwork,
+                "--control: '{}' exists and is in use or not a socket: choose another path", path.string());
 }
 
 // The kernel gives the file the mode of the socket it is bound from: never open to others, not even for a moment.
@@ -139,7 +139,7 @@ nlohmann::ordered_json ask_relay(const std::filesystem::path& path, const std::s
     auto json = nlohmann::ordered_json::parse(answer.data(), answer.data() + size, nullptr, false);
     if (!json.is_object() || !json.value("ok", false)) {
         throw Error(ExitCode::kUsage,
-                    json.is_object() ? json.value("error", "refused") : "the answer is no JSON");
+                    json.is_object() ? json.value("error", "refused") : "the answer is not JSON");
     }
     return json;
 }

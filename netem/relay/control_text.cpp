@@ -49,7 +49,7 @@ Assignment parse_assignment(std::string_view text) {
     if (key.empty() || value.empty() || key.find_first_not_of(kKeyCharacters) != std::string_view::npos ||
         value.find('\n') != std::string_view::npos) {
         throw Error(ExitCode::kUsage,
-                    "'{}' is no assignment: write KEY=VALUE, e.g. up.delay_s=0.1 or loss=0.01",
+                    "'{}' is not a setting: write KEY=VALUE, e.g. up.delay_s=0.1 or loss=0.01",
                     text.substr(0, 80));
     }
     Assignment made;

@@ -4,7 +4,7 @@
 //   set
 //   up.delay_s = 0.1
 //   loss = 0.01
-// A key is one of a link (profile_link.hpp), a dot between a table and its key; `up.` or `down.` before it names one
+// A key is one of a link (profiles.hpp), a dot between a table and its key; `up.` or `down.` before it names one
 // direction, otherwise it is for both. The value is written as in TOML; a bare word stands for itself in quotes.
 // The answer is one packet of JSON. Its "ok" is true, or false with an "error" in words.
 #pragma once

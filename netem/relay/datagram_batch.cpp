@@ -127,8 +127,9 @@ void SendBatch::mark(const Piece& piece, bool accepted) {
     std::fill_n(accepted_.begin() + static_cast<std::ptrdiff_t>(piece.first), piece.count, accepted);
 }
 
-// Up to the first joined piece that is refused: returns the datagram where that begins, else how many there are.
-// A failure stops sendmmsg at the message that failed. A connected socket reports the error of an earlier datagram (port closed) once. It says nothing about this datagram, which is tried again.
+// Up to the first joined piece that is refused: returns the datagram where that begins, else how many there are. A
+// failure stops sendmmsg at the message that failed. A connected socket reports the error of an earlier datagram
+// (port closed) once. It says nothing about this datagram, which is tried again.
 std::size_t SendBatch::send_pieces(int descriptor, std::size_t pieces) {
     std::size_t done = 0;
     bool again = true;

@@ -24,8 +24,8 @@ class ReceiveBatch {
     static constexpr std::size_t kSize = 32;
 
     ReceiveBatch();
-    // As many as wait, at most `most` (up to kSize). Answers of a machine that the port of an earlier datagram is closed are
-    // passed over and counted.
+    // Receives the waiting datagrams, at most `most` (up to kSize). ICMP errors about closed ports are skipped and
+    // counted.
     std::size_t receive(int descriptor, std::size_t most = kSize);
     std::uint64_t closed_ports() const { return closed_ports_; }
     // i below what receive() returned; valid until the next receive().
@@ -69,18 +69,18 @@ class ReceiveTurn {
 class SendBatch {
   public:
     static constexpr std::size_t kSize = 64;
-    // So many datagrams of one size to one receiver, in a row, are handed over as one piece. The kernel cuts it up at the
-    // far end of its own path (UDP_SEGMENT): that costs it far less, and the same arrives. Fewer stay single, because
-    // whatever watches the path (a packet capture, a queue discipline that drops) sees the piece.
+    // Least number of consecutive datagrams of one size to one receiver that are passed to the kernel as one piece.
+    // The kernel splits it at the end of its own path (UDP_SEGMENT), which costs far less. Shorter runs stay single,
+    // because captures and queue disciplines on the path would see the piece as one packet.
     static constexpr std::size_t kJoin = 16;
     static constexpr std::size_t kLongestJoined = 1200;  // bytes; a cut must fit every path
 
-    // `joins`: whether it ever does that.
+    // `joins`: allows joining datagrams.
     explicit SendBatch(bool joins = false) : joins_(joins) {}
 
     // `to` is left out for a connected socket, which is of the peer's family. The bytes must stay until send().
     void add(Bytes bytes, const UdpAddress* to, std::uint8_t traffic_class = 0, bool ipv4 = true);
-    // Whether it joins from now on, if this path can.
+    // Joins from now on, if this path can.
     void join(bool joins) { joins_ = joins && !cannot_join_; }
     std::uint64_t closed_ports() const { return closed_ports_; }  // as in ReceiveBatch
     bool full() const { return count_ == kSize; }

@@ -1,4 +1,4 @@
-// Which of many links must be looked at next. A link's time can change at any moment, without an allocation.
+// The link that is due next among many. A link's time can change at any moment, without an allocation.
 #pragma once
 
 #include <cstdint>

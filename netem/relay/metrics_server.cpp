@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/runtime/wall_clock.hpp"
-#include "netem/relay/metrics_text.hpp"
+#include "netem/relay/relay_report.hpp"
 
 namespace thimble {
 namespace {
@@ -54,7 +54,7 @@ UdpAddress MetricsServer::address() const {
 std::optional<std::string> MetricsServer::answer_to(std::string_view request) {
     if (request.size() > kLongestHttpRequestBytes) return refusal("431 Request Header Fields Too Large");
     if (request.find("\r\n\r\n") == std::string_view::npos) return std::nullopt;
-    // Of the request only its first line matters.
+    // Only the first line of the request matters.
     if (!request.starts_with("GET ")) return refusal("405 Method Not Allowed");
     const std::string_view path = request.substr(4, request.find_first_of(" \r\n", 4) - 4);
     if (path.substr(0, path.find('?')) != "/metrics") return refusal("404 Not Found");

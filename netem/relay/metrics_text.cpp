@@ -1,9 +1,9 @@
-#include "netem/relay/metrics_text.hpp"
-
 #include <array>
 #include <numeric>
 
 #include <fmt/format.h>
+
+#include "netem/relay/relay_report.hpp"
 
 namespace thimble {
 namespace {
@@ -92,7 +92,7 @@ class MetricsPrinter {
     }
 
     void print_delays() {
-        begin("lateness_seconds", "histogram", "How long after its due time a datagram left.");
+        begin("lateness_seconds", "histogram", "How long after its due time a datagram left, in seconds.");
         for (std::size_t way = 0; way < kWays.size(); ++way) {
             const DirectionTotals& d = state_.totals.direction[way];
             const std::string label = fmt::format("direction=\"{}\"", kWays[way]);
@@ -129,14 +129,14 @@ class MetricsPrinter {
         const RelayTotals& t = state_.totals;
         single("flows", "gauge", "Clients now.", t.flows);
         single("flows_opened_total", "counter", "Clients since the start.", t.flows_opened);
-        single("flows_refused_packets_total", "counter", "Datagrams of clients that found no free flow.",
+        single("flows_refused_packets_total", "counter", "Datagrams of clients beyond --max-flows.",
                t.flows_refused);
         single("stalls_total", "counter", "Wake-ups more than 1 ms late.", t.stalls);
-        single("dropped_by_kernel_packets_total", "counter", "Datagrams that found no room in the kernel.",
+        single("dropped_by_kernel_packets_total", "counter", "Datagrams that the kernel had no buffer for.",
                t.dropped_by_kernel);
-        single("closed_port_answers_total", "counter", "Answers that nobody listens at the port behind --to.",
+        single("closed_port_answers_total", "counter", "Answers that the port behind --to is closed.",
                std::accumulate(t.closed_ports.begin(), t.closed_ports.end(), std::uint64_t{0}));
-        single("log_missing_packets_total", "counter", "Datagrams that the packet log has no record of.",
+        single("log_missing_packets_total", "counter", "Datagrams that are missing in the packet log.",
                t.log_missing);
         single("uptime_seconds", "gauge", "Since the start.", to_seconds(t.running));
     }

@@ -1,5 +1,5 @@
-// Writes what becomes of each packet to a file, from a thread of its own, so that no disk ever holds up a packet. The
-// queue between is bounded; what finds no room is counted, and a `gap` record marks the place.
+// Writes the fate of each packet to a file, from a thread of its own, so that no disk delays a packet. The queue
+// between is bounded. Records that do not fit are counted, and a `gap` record marks the place.
 #pragma once
 
 #include <atomic>
@@ -83,7 +83,7 @@ class PacketLog final : public PacketSink, boost::noncopyable {
         for (bool stopping = false; !stopping;) {
             stopping = stop_;  // before the last look, so that nothing stays behind
             bool idle = true;
-            // One by one: consume_all would free no room before the last of them is written.
+            // One by one: consume_all would free its room only at the end.
             while (queue_.consume_one([this](const PacketRecord& record) { write(record); })) idle = false;
             if (idle && !stopping) wall_sleep(kPause);
         }

@@ -53,7 +53,7 @@ void check_log_header(std::span<const std::uint8_t> bytes, const std::string& na
     const auto expected = log_header();
     if (bytes.size() < kLogHeaderBytes || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) {
         throw Error(ExitCode::kData,
-                    "'{}' is no packet log of thimble-netem: it does not begin with {}; --log writes one",
+                    "'{}' is not a packet log of thimble-netem: it does not begin with {}; --log writes one",
                     name, kMagic);
     }
     if (!std::equal(expected.begin(), expected.end(), bytes.begin())) {

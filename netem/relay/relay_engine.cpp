@@ -22,7 +22,7 @@ std::size_t index(RelayDirection direction) { return static_cast<std::size_t>(di
 
 }  // namespace
 
-// Links do not know whose they are: the engine says it before each push.
+// A link does not know its flow: the engine sets it before each push.
 class RelayEngine::DropLog final : public LinkObserver {
   public:
     explicit DropLog(PacketSink& log) : log_(&log) {}
@@ -88,8 +88,7 @@ void RelayEngine::step(SessionTime latest) {
     if (now >= next_housekeeping_) housekeep(now);
 }
 
-// Every link with due packets has its turn of a few, until none has any: a flow that sends much cannot hold up one that
-// sends little.
+// Each link with due packets sends a few per turn, so that a busy flow does not delay the others.
 void RelayEngine::send_due(SessionTime now) {
     if (due_.first_due() > now) return;
     if (now - due_.first_due() > kStall) ++totals_.stalls;
@@ -264,7 +263,7 @@ void RelayEngine::close_flow(std::uint32_t place) {
     table_.close(place);
 }
 
-// One with packets in flight is not idle, however long its links delay.
+// A flow with packets in flight is not idle, however long its delays.
 void RelayEngine::expire_flows(SessionTime now) {
     for (const std::uint32_t place : table_.idle_since(now - settings_.idle)) {
         const auto& links = flows_[place]->links;
@@ -285,7 +284,7 @@ void RelayEngine::housekeep(SessionTime now) {
 void RelayEngine::change(SessionTime now, const LinkPair& links) {
     settings_.links = links;
     for (Timeline* timeline : {&settings_.timelines.up, &settings_.timelines.down}) {
-        // Flows that open from now on must not go back to what this change has replaced.
+        // New flows must not use the settings that this change replaces.
         std::erase_if(*timeline, [&](const LinkChange& change) { return start_ + change.at <= now; });
     }
     for (std::uint32_t place = 0; place < flows_.size(); ++place) {

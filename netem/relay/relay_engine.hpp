@@ -50,10 +50,10 @@ class RelayEngine final : public SteeredRelay {
     const RelayTotals& counted() const { return totals_; }
     RelayState state(SessionTime now) const override;
     UdpAddress inlet_address(std::size_t inlet) const { return inlets_[inlet].local(); }
-    // From when on outages, timelines and traces by time count. Slots begin with their flow.
+    // Time zero of outages, timelines and traces by time. Slots begin with their flow.
     SessionTime start() const { return start_; }
     const EventWaiter& waiter() const { return waiter_; }
-    // How long before its due time a packet is taken in hand.
+    // Lead time of sending, before the due time.
     Duration send_lead() const { return send_cost_ + handling_.least(); }
 
   private:

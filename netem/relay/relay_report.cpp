@@ -100,7 +100,7 @@ std::string machine_text(const Json& report) {
         text += fmt::format(", {} packets missing in the log", missing);
     }
     if (const auto closed = report.at("closed_port_answers").get<std::uint64_t>(); closed > 0) {
-        text += fmt::format(", {} answers that nobody listens at the port behind --to", closed);
+        text += fmt::format(", {} answers that the port behind --to is closed", closed);
     }
     return text + "\n";
 }
@@ -144,8 +144,8 @@ std::string order_text(const LinkSettings& link) {
     if (link.jitter.shape == JitterShape::kNone) return "";
     if (!link.in_order) return "packets overtake each other under jitter (in_order = true keeps their order)";
     return fmt::format(
-        "order is kept: a packet waits for the one in front of it, so the mean delay can be far above {:g} "
-        "ms (in_order = false lets packets overtake)",
+        "order is kept: a packet waits for the one before it, so the mean delay can be far above {:g} ms "
+        "(in_order = false lets packets overtake)",
         1e3 * to_seconds(link.delay));
 }
 
@@ -187,7 +187,8 @@ std::string report_text(const nlohmann::ordered_json& report) {
                     flows.at("opened").get<std::uint64_t>(), flows.at("open").get<std::uint64_t>(),
                     report.at("machine").at("waiting").get<std::string>());
     if (const auto refused = flows.at("packets_refused").get<std::uint64_t>(); refused > 0) {
-        text += fmt::format("{} packets of clients that found no free flow: see --max-flows\n", refused);
+        text +=
+            fmt::format("{} packets of clients beyond the limit were dropped: raise --max-flows\n", refused);
     }
     return text + direction_text("up", report.at("up")) + direction_text("down", report.at("down")) +
            machine_text(report);

@@ -24,4 +24,7 @@ nlohmann::ordered_json describe(const RelayState& state);
 // For the JSON of describe(RelayState), perhaps from another process.
 std::string report_text(const nlohmann::ordered_json& report);
 
+// A relay's state in the text format of Prometheus (version 0.0.4).
+std::string metrics_text(const RelayState& state);
+
 }  // namespace thimble

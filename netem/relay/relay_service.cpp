@@ -33,7 +33,7 @@ void say_ready(const RelaySettings& settings, const RelayEngine& engine) {
     if (!down.empty()) spdlog::info("down: {}", down);
 }
 
-// Each closed port once: a server may come later.
+// Warns once per closed port: a server may start later.
 void say_if_nobody_listens(const RelaySettings& settings, const RelayTotals& totals,
                            std::vector<bool>& said) {
     for (std::size_t i = 0; i < said.size(); ++i) {
@@ -45,11 +45,11 @@ void say_if_nobody_listens(const RelaySettings& settings, const RelayTotals& tot
     }
 }
 
-// Told once: from then on what is behind schedule is slept for.
+// Warns once: from then on the relay sleeps while it is behind schedule.
 void say_if_spinning_gave_up(const EventWaiter& waiter, bool& said) {
     if (said || waiter.counters().exhausted == 0) return;
     said = true;
-    spdlog::warn("precise waiting would take more than 80 % of a core: sleeping instead while that is so");
+    spdlog::warn("precise waiting would take more than 80 % of a core, so the relay sleeps instead for now");
 }
 
 struct Servers {
@@ -92,8 +92,8 @@ void allow_descriptors(std::size_t wanted) {
     limit.rlim_cur = std::min<rlim_t>(wanted, limit.rlim_max);
     setrlimit(RLIMIT_NOFILE, &limit);
     if (limit.rlim_cur < wanted) {
-        spdlog::warn("the system allows {} open files, {} flows may need {}: see ulimit -n", limit.rlim_cur,
-                     wanted - kOtherDescriptors, wanted);
+        spdlog::warn("the system allows {} open files, but {} flows may need {}: see ulimit -n",
+                     limit.rlim_cur, wanted - kOtherDescriptors, wanted);
     }
 }
 

@@ -16,7 +16,7 @@
 namespace thimble {
 namespace {
 
-// For the last packets: what links may delay them, and a machine that stalls.
+// Time for the last packets: delays of the links, and stalls of the machine.
 constexpr Duration kSettling = std::chrono::milliseconds{300};
 constexpr Duration kPathStopLatency = std::chrono::milliseconds{100};  // of a path that waits
 

@@ -1,5 +1,5 @@
-// Whether this machine can be trusted with a profile: own traffic through an own path, compared with what was asked, beside
-// this machine's bare timer. Findings are data; the verdict is arithmetic on them (verdict()).
+// Checks that this machine can emulate a network accurately: own traffic through an own path, compared with the
+// settings and with this machine's bare timer. Findings are data; the verdict is arithmetic on them (verdict()).
 #pragma once
 
 #include <array>
@@ -39,7 +39,7 @@ struct SelftestDirection {
     std::uint64_t corrupted = 0;    // left with bits flipped; the kernel may refuse such a packet
     std::uint64_t early = 0;        // sent before they were due
     std::uint64_t other_fates = 0;  // dropped where virtual time with this seed does not, or the reverse
-    // Neither asked nor explained: lost on the way to the relay, in it, or behind it.
+    // Losses that neither settings nor statistics explain: before, in or after the relay.
     std::uint64_t lost_by_machine = 0;
     double lost_mean = 0;    // over all seeds
     double lost_chance = 1;  // share of seeds that lose a number as far out (LossLaw::chance_of)
@@ -58,7 +58,7 @@ struct SelftestResult {
     std::vector<std::string> causes;  // of a verdict that is not PASS
 };
 
-// Sets verdict and causes from the rest.
+// Computes verdict and causes from the other fields.
 void judge(SelftestResult& result);
 
 // The way that the traffic goes, and its two ends.

@@ -38,10 +38,10 @@ void judge_direction(SelftestResult& result, std::string_view name, const Selfte
     const double timer_us = in_us(result.timer.quantile(0.99));
     limit(static_cast<double>(d.early), 0, 0, fmt::format("{} packets left before they were due", d.early));
     limit(static_cast<double>(d.other_fates), 0, 0,
-          fmt::format("{} packets had another fate than their seed says", d.other_fates));
+          fmt::format("{} packets did not have the fate of their seed", d.other_fates));
     limit(static_cast<double>(d.lost_by_machine), 0, kManyLost * static_cast<double>(d.offered),
-          fmt::format("the machine lost {} of {} packets that the profile would have delivered",
-                      d.lost_by_machine, d.offered));
+          fmt::format("the machine lost {} of {} packets that the profile delivers", d.lost_by_machine,
+                      d.offered));
     limit(p99_us, kUneasy_us, kSample_us,
           fmt::format("1 % of the packets leave more than {:.0f} us late (the bare timer: {:.0f} us)", p99_us,
                       timer_us));
@@ -49,20 +49,19 @@ void judge_direction(SelftestResult& result, std::string_view name, const Selfte
         p999_us, kSample_us, HUGE_VAL,
         fmt::format("1 in 1000 packets leaves more than {:.1f} ms late: the machine stalls", 1e-3 * p999_us));
     limit(p99_us, 1.5 * timer_us + kTimerSlack_us, HUGE_VAL,
-          fmt::format("later than the bare timer explains (99 %: {:.0f} us against {:.0f} us)", p99_us,
-                      timer_us));
+          fmt::format("more late than the bare timer (99 %: {:.0f} us against {:.0f} us)", p99_us, timer_us));
     if (d.comparison.spread) {
         limit(d.comparison.distance_ratio(), 1.5, 3,
-              fmt::format("the delays are not those asked for: KS distance {:.4f}, by chance {:.4f}",
-                          d.comparison.distance, d.comparison.by_chance));
+              fmt::format(
+                  "the delays do not follow the requested distribution: KS distance {:.4f}, by chance {:.4f}",
+                  d.comparison.distance, d.comparison.by_chance));
     }
     limit(-d.lost_chance, -kRareSeed, -kImpossibleSeed,
-          fmt::format(
-              "{} packets lost where {:.4g} were expected; only {:.2g} of all seeds are so far from that",
-              d.lost, d.lost_mean, d.lost_chance));
+          fmt::format("{} packets lost instead of {:.4g}; only {:.2g} of all seeds differ so much", d.lost,
+                      d.lost_mean, d.lost_chance));
     if (d.received < kFewPackets) {
         say(SelftestVerdict::kMarginal,
-            fmt::format("only {} packets, too few to judge rare delays: test longer", d.received));
+            fmt::format("only {} packets, too few for rare delays: test longer", d.received));
     }
 }
 
@@ -98,7 +97,7 @@ std::string findings_text(std::string_view name, const LinkSettings& link, const
                           const Histogram& error) {
     const ProportionInterval loss = wilson_95(d.dropped, d.received);
     return fmt::format(
-        "{:<5} {} packets, {} dropped as asked ({:.3g} % [{:.3g}, {:.3g}]), {} by the machine\n"
+        "{:<5} {} packets, {} dropped as requested ({:.3g} % [{:.3g}, {:.3g}]), {} by the machine\n"
         "      delay    asked {:.6g} ms, achieved {:.6g} median, {:.6g} p99; {}\n"
         "      late by  {}\n",
         name, d.offered, d.dropped, 100 * share_of(d.dropped, d.received), 100 * loss.low, 100 * loss.high,

@@ -1,5 +1,5 @@
-// How long before its due time a packet may be taken in hand and still not be on its way early. What is done with it, and the
-// system call that sends it, take a while; the least that they ever take may be begun before.
+// The lead time before a packet's due time at which sending may begin. Handling and the system call take at least
+// this long, so the packet does not leave early.
 #pragma once
 
 #include <algorithm>

@@ -8,7 +8,7 @@
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/relay_engine.hpp"
-#include "netem/shell/slirp_frames.hpp"
+#include "netem/shell/ip_packet.hpp"
 
 namespace thimble {
 namespace {

@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "common/error.hpp"
+#include "common/own_program.hpp"
 #include "common/runtime/udp_socket.hpp"
 #include "netem/shell/device_stamps.hpp"
 
@@ -106,8 +107,7 @@ void enter_namespaces() {
 void name_server_is(const std::string& address) {
     // Where "/" is no mount, as in a chroot, this fails: then the file would stand in the outer namespace too.
     if (mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0) return;
-    std::string file = (std::getenv("TMPDIR") != nullptr ? std::string(std::getenv("TMPDIR")) : "/tmp") +
-                       "/thimble-resolv-XXXXXX";
+    std::string file = temporary_folder() + "/thimble-resolv-XXXXXX";
     const int opened = mkstemp(file.data());
     if (opened < 0) return;
     const std::string line = "nameserver " + address + "\n";

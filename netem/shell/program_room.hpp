@@ -27,7 +27,7 @@ class ProgramRoom : boost::noncopyable {
     // Makes namespace and device; the program waits for start(). Call before there are other threads.
     // Throws Error: network, with one line that says what to switch on; usage for a program that is not there.
     explicit ProgramRoom(const RoomSettings& settings);
-    // Closes the device. A program that still runs is ended by others (leftovers.hpp); one that waits for start() ends.
+    // Closes the device. A program that still runs is ended by others (programs.hpp); one that waits for start() ends.
     ~ProgramRoom();
 
     int device() const { return device_; }

@@ -6,8 +6,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "netem/shell/leftovers.hpp"
-
 namespace thimble {
 namespace {
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <sys/signalfd.h>
+#include <sys/types.h>
 #include <vector>
 
 #include "common/time.hpp"
@@ -49,5 +50,16 @@ class Programs {
     int asked_code_ = 0;                              // of the signal that asked for the end
     SessionTime ask_at_ = kNever, kill_at_ = kNever;  // the rest of a pair
 };
+
+// Ends whatever a program has left behind: its children, also those that have cut themselves off.
+
+// From now on orphans below this process become its children.
+void adopt_orphans();
+
+// To all processes below this one but `spared`.
+void signal_descendants(int number, pid_t spared);
+
+// All processes below this one but `spared`: first SIGTERM, after a second SIGKILL, until there are none.
+void end_descendants(pid_t spared);
 
 }  // namespace thimble

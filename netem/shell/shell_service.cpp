@@ -12,10 +12,9 @@
 #include "netem/relay/packet_log.hpp"
 #include "netem/relay/relay_report.hpp"
 #include "netem/relay/relay_service.hpp"
-#include "netem/shell/leftovers.hpp"
 #include "netem/shell/packet_relay.hpp"
 #include "netem/shell/programs.hpp"
-#include "netem/shell/way_out.hpp"
+#include "netem/shell/uplink.hpp"
 
 namespace thimble {
 namespace {
@@ -133,17 +132,16 @@ struct Sweeper {
 };
 
 ShellResult run_one(const ShellSettings& settings, SignalLine& signals) {
-    WayOut way_out;
+    Uplink uplink;
     Programs programs(make_rooms({{.command = settings.commands[0],
-                                   .addresses = way_out.program_addresses(),
-                                   .name_server = way_out.name_server()}}));
-    const Sweeper sweeper{way_out.slirp()};
-    const Environment environment = way_out.environment(programs.room(0).has_ip6());
+                                   .addresses = uplink.program_addresses(),
+                                   .name_server = uplink.name_server()}}));
+    const Sweeper sweeper{uplink.slirp()};
+    const Environment environment = uplink.environment(programs.room(0).has_ip6());
     spdlog::info("this machine is {}{}, {:g} ms up, {:g} ms down", environment[0].second,
                  environment.size() > 1 ? " and " + environment[1].second : "",
                  1e3 * to_seconds(settings.links.up.delay), 1e3 * to_seconds(settings.links.down.delay));
-    return run_wired(settings, programs, signals,
-                     {port_of(programs.room(0)), way_out.ports(), {environment}});
+    return run_wired(settings, programs, signals, {port_of(programs.room(0)), uplink.ports(), {environment}});
 }
 
 ShellResult run_two(const ShellSettings& settings, SignalLine& signals) {

@@ -1,11 +1,11 @@
-#include "netem/shell/slirp_frames.hpp"
-
 #include <algorithm>
 #include <arpa/inet.h>
 #include <array>
 #include <sys/socket.h>
 #include <sys/uio.h>
 #include <vector>
+
+#include "netem/shell/ip_packet.hpp"
 
 namespace thimble {
 namespace {

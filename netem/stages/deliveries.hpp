@@ -1,5 +1,5 @@
 // A link that sends when its trace says so, as mahimahi's: each opportunity moves 1500 bytes of what waits; a packet
-// that does not fit goes on with the next, and room that nobody uses is lost. A packet that comes in the very
+// that does not fit goes on with the next, and unused room is lost. A packet that comes in the very
 // instant of an opportunity is too late for it.
 #pragma once
 

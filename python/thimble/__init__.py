@@ -7,7 +7,7 @@ from ._thimble import LinkModel, Scene, __version__, read_log
 from .environment import NeedleEnv
 from .errors import DataError, Error, NetworkError, RealtimeError, RunError, UsageError
 from .sessions import Session, session_file, session_names
-from .studies import read_trials, study
+from .studies import board, read_board, read_trials, study
 
 __all__ = ["DataError", "Error", "LinkModel", "NeedleEnv", "NetworkError", "RealtimeError", "RunError", "Scene", "Session", "UsageError",
-           "lock_step", "read_log", "read_trials", "session_file", "session_names", "study"]
+           "board", "lock_step", "read_board", "read_log", "read_trials", "session_file", "session_names", "study"]

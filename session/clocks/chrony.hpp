@@ -30,7 +30,7 @@ inline std::optional<ChronyTracking> parse_chrony_tracking(std::string_view line
     while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) line.remove_suffix(1);
     const auto fields = fields_of(line);
     if (fields.size() != kFields) return std::nullopt;
-    const auto stratum = parse_integer(fields[kStratum]);
+    const auto stratum = parse_whole<std::int64_t>(fields[kStratum]);
     const auto last_offset_s = parse_number(fields[kLastOffset]);
     const auto root_dispersion_s = parse_number(fields[kRootDispersion]);
     if (!stratum || *stratum < 0 || !last_offset_s || !root_dispersion_s) return std::nullopt;
@@ -39,7 +39,7 @@ inline std::optional<ChronyTracking> parse_chrony_tracking(std::string_view line
 }
 
 inline std::string describe(const ChronyTracking& tracking) {
-    if (tracking.reference.empty()) return "chrony runs, but follows no source; not needed";
+    if (tracking.reference.empty()) return "chrony runs, but has no time source; one machine needs none";
     return fmt::format("chrony follows {} (stratum {}), last offset {:+.1f} us, root dispersion {:.1f} us",
                        tracking.reference, tracking.stratum, 1e6 * tracking.last_offset_s,
                        1e6 * tracking.root_dispersion_s);
@@ -50,9 +50,9 @@ inline std::string describe_chrony() {
     try {
         const ProgramResult result = run_program("chronyc", {"-n", "-c", "tracking"}, ".", "");
         if (const auto tracking = parse_chrony_tracking(result.output)) return describe(*tracking);
-        return "chronyc is installed, but its daemon gives no answer; not needed";
+        return "chronyc is installed, but its daemon does not answer; one machine needs none";
     } catch (const Error&) {
-        return "no chrony here; not needed";
+        return "chrony is not installed; one machine needs none";
     }
 }
 

@@ -81,7 +81,8 @@ class ClockLine {
                (b.offset_s - a.offset_s) * (c.time_s - a.time_s);
     }
 
-    // The chain that a line below (side 1) or above (side -1) all corners can touch (Andrew's monotone chain).
+    // The corners that a line below (side 1) or above (side -1) all of them can touch: half of the convex hull
+    // (Andrew's monotone chain).
     static std::vector<Corner> hull(std::vector<Corner> corners, double side) {
         std::sort(corners.begin(), corners.end(), [&](const Corner& a, const Corner& b) {
             return a.time_s != b.time_s ? a.time_s < b.time_s : side * a.offset_s < side * b.offset_s;

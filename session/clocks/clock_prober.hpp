@@ -32,11 +32,11 @@ struct ClockExchange {
     double offset_s() const { return to_seconds(low() + high()) / 2; }
     double bound_s() const { return to_seconds(high() - low()) / 2; }
     Duration round_trip() const { return answered - sent; }
-    // False: no two clocks can have shown this.
+    // False if no two clocks could give these stamps.
     bool possible() const { return answered >= sent && high() >= low(); }
 };
 
-// Where an offset surely is; positive: the far clock is ahead.
+// Interval that contains the offset for certain. Positive: the far clock is ahead.
 struct OffsetInterval {
     double low_s = 0, high_s = 0;
     double offset_s() const { return (low_s + high_s) / 2; }

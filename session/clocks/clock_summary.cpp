@@ -79,7 +79,7 @@ std::vector<ClockRecord> read_clock_file(const std::filesystem::path& path) {
     while (reader.next()) {
         read_fields(reader, kClockColumns, records.emplace_back());
         if (!records.back().exchange.possible())
-            reader.field(4).fail("makes an exchange that no two clocks can have had");
+            reader.field(4).fail("holds an exchange that is impossible for any two clocks");
     }
     return records;
 }

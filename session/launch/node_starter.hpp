@@ -17,6 +17,7 @@
 #include "common/error.hpp"
 #include "common/messages.hpp"
 #include "common/process/child.hpp"
+#include "common/runtime/plugin_watch.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "common/time.hpp"
@@ -39,20 +40,27 @@ class RunningNode : boost::noncopyable {
   public:
     virtual ~RunningNode() = default;
 
-    // The exit code once it has ended, 128 + n if signal n ended it. Call often: this also keeps in touch.
+    // The exit code after its end, 128 + n for signal n. Call it often: this also keeps the connection to a remote
+    // node alive.
     virtual std::optional<int> poll() = 0;
     // Whether its program has been started; false while its machine is still being reached.
     virtual bool started() const = 0;
-    // Asks it to end. It does, within a few seconds, even if it hangs; poll() goes on telling.
+    // Asks the node to end. It does so within a few seconds, even if it hangs; poll() gives the result.
     virtual void stop() = 0;
-    // After stop(): whether all its last words are here, or it has had its time. Call it over and over; it does not wait.
-    virtual bool heard_out() { return true; }
+    // After stop(): true if all its output has arrived, or the time for it is over. Call it again and again; it does
+    // not wait.
+    virtual bool output_complete() { return true; }
     virtual const std::string& program() const = 0;  // for messages
     virtual pid_t pid() const { return -1; }         // of a program on this machine
-    // How it ended, in words, once it has; and what that is for the whole run.
+    // Text about its end, after it has ended; and the exit code of the whole run.
     virtual std::string exit_message() = 0;
-    virtual ExitCode verdict() const = 0;
+    virtual ExitCode verdict() = 0;
 };
+
+// The exit code of a run whose node has ended by itself. A plug-in that hangs is no network error.
+inline ExitCode verdict_on(std::optional<int> code) {
+    return code == kPluginHung ? ExitCode::kRunFailed : ExitCode::kNetwork;
+}
 
 class NodeStarter {
   public:
@@ -90,7 +98,7 @@ class LocalNode final : public RunningNode {
         return fmt::format("{} ended with code {}: {}", program_, child_.poll().value_or(-1),
                            child_.last_lines());
     }
-    ExitCode verdict() const override { return ExitCode::kNetwork; }
+    ExitCode verdict() override { return verdict_on(child_.poll()); }
 
   private:
     std::string program_;
@@ -99,7 +107,8 @@ class LocalNode final : public RunningNode {
 
 class LocalStarter final : public NodeStarter {
   public:
-    // `programs`: folder of the thimble-* programs. `config`: session file for the nodes; empty: defaults. `own`: by Role, absolute, as in LaunchSettings.
+    // `programs`: folder of the thimble-* programs. `config`: session file for the nodes; empty: defaults. `own`: by
+    // Role, absolute, as in LaunchSettings.
     LocalStarter(std::filesystem::path programs, std::filesystem::path config,
                  std::array<std::filesystem::path, kRoleCount> own = {})
         : programs_(std::move(programs)), config_(std::move(config)), own_(std::move(own)) {}

@@ -1,17 +1,11 @@
-#include "session/launch/port_table.hpp"
-
 #include <algorithm>
 
 #include <fmt/format.h>
 
+#include "session/launch/unit_files.hpp"
+
 namespace thimble {
 namespace {
-
-std::string line(const NetworkSettings& network, Port port, const std::string& more) {
-    const Flow& from = flow(port);
-    return fmt::format("| {} | {} | {} | {} |{}\n", network.at(port).port, to_string(from.listens),
-                       to_string(from.hears), from.what, more);
-}
 
 std::string place(const NetworkSettings& network, const LaunchSettings& launch, Role role) {
     const std::string& machine = launch.machine(role);
@@ -25,12 +19,6 @@ bool on_one_machine(const LaunchSettings& launch) {
 
 }  // namespace
 
-std::string port_table(const NetworkSettings& network) {
-    std::string text = "| UDP port | listens | hears | what |\n| --- | --- | --- | --- |\n";
-    for (const Port port : kEveryPort) text += line(network, port, "");
-    return text;
-}
-
 std::string firewall_table(const NetworkSettings& network, const LaunchSettings& launch) {
     std::string text =
         "| UDP port | listens | hears | what | at | from |\n| --- | --- | --- | --- | --- | --- |\n";
@@ -39,9 +27,10 @@ std::string firewall_table(const NetworkSettings& network, const LaunchSettings&
         const bool crosses = from.from_all ? !on_one_machine(launch)
                                            : launch.machine(from.listens) != launch.machine(from.hears);
         if (!crosses) continue;
-        text += line(network, port,
-                     fmt::format(" {} | {} |", place(network, launch, from.listens),
-                                 from.from_all ? "every machine" : place(network, launch, from.hears)));
+        text +=
+            fmt::format("| {} | {} | {} | {} | {} | {} |\n", network.at(port).port, to_string(from.listens),
+                        to_string(from.hears), from.what, place(network, launch, from.listens),
+                        from.from_all ? "every machine" : place(network, launch, from.hears));
     }
     return text;
 }

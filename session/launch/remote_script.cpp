@@ -118,9 +118,20 @@ kill "$keeper" "$lessor" 2>/dev/null
 echo "$report"
 cat "$dir/report.json" 2>/dev/null
 echo
-[ -f "$messages" ] || messages=/dev/null
-echo "$ended $code $(($(wc -c <"$messages")))"
-cat "$messages"
+set -- "$dir"/messages*.mcap
+[ -f "$1" ] || set --
+logs=
+size=0
+for file in "$@"; do
+    bytes=$(($(wc -c <"$file")))
+    size=$((size + bytes))
+    case ${file##*/} in *_trial*)
+        file=${file##*_trial}
+        logs="$logs ${file%.mcap} $bytes"
+    esac
+done
+echo "$ended $code$logs $size"
+cat "$@"
 exit "$code"
 )sh";
 

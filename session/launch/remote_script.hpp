@@ -8,9 +8,9 @@
 //     the bundle (session_bundle)   unpacks it in a folder of its own, starts the node
 //     a line, once a second         lives as long as these come: none for `lease`, or the end of the input, ends
 //                                   the node with SIGTERM, after two seconds with SIGKILL
-//     reads to the end              stderr: the node's words. At its end stdout: kReport and its report (JSON); kEnded, its
-//                                   exit code and the length of its log of messages, then that log; the folder is
-//                                   removed; exit code: the node's
+//     reads to the end              stderr: the node's words. At its end stdout: kReport and its report (JSON). Then kEnded and
+//                                   its exit code, in lock-step the trial and the length of each log of messages, and
+//                                   the length of all logs. Then the logs. The folder is removed. Exit code: the node's
 #pragma once
 
 #include <string>
@@ -29,7 +29,7 @@ std::string shell_words(const std::vector<std::string>& words);
 inline constexpr std::string_view kReached = "thimble: reached";  // lines of their own
 inline constexpr std::string_view kSend = "thimble: send";
 inline constexpr std::string_view kReport = "thimble: report";
-inline constexpr std::string_view kEnded = "thimble: ended";  // and two numbers
+inline constexpr std::string_view kEnded = "thimble: ended";  // and numbers
 inline constexpr std::string_view kGood = "thimble: good";
 
 // Exit codes of the script itself, apart from those of nodes (0 to 5, 128 + signal) and of ssh (255).
@@ -43,7 +43,7 @@ struct RemoteOrder {
     std::string session;  // name of the session file in the bundle
     Duration lease{};
     std::vector<std::string> arguments;
-    bool messages = false;    // whether it writes a log of messages, to be sent here
+    bool messages = false;    // whether it writes logs of messages, to be sent here
     std::string grant_key{};  // of lock-step; empty: by the wall clock
     bool only_check = false;  // says kGood instead of starting anything
 };

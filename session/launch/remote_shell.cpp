@@ -4,10 +4,11 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <charconv>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
+#include <iterator>
+#include <sstream>
 #include <unistd.h>
 #include <utility>
 
@@ -18,11 +19,12 @@
 namespace thimble {
 namespace {
 
-// A report is a few kilobytes, and so is a log of words.
+// Limits of report and log, which usually have a few kilobytes.
 constexpr std::size_t kMostSaid = std::size_t{1} << 20, kMostLogged = std::size_t{1} << 22;
-// Behind the file: a shell may say goodbye.
+// Output after the file: a shell may print a farewell.
 constexpr std::size_t kFarewell = std::size_t{1} << 12;
-// At once: more than a pipe holds, so that all is heard of a command that has ended, and little enough to look around.
+// Chunks per poll: more than a pipe holds, so that no output of an ended command is left. Few enough to return
+// quickly.
 constexpr int kMostChunks = 16;
 
 // Of the files of all shells of this program: announced (of one that was cut off, what came), and written.
@@ -123,7 +125,7 @@ void RemoteShell::take(std::string_view bytes) {
     if (diverted_) return keep(bytes);
     said_ += bytes.substr(0, kMostSaid - std::min(kMostSaid, said_.size()));
     if (!turn_.empty()) look_for_turn();
-    if (!diverted_ && said_.size() >= kMostSaid) fault_ = fmt::format("says more than {} bytes", kMostSaid);
+    if (!diverted_ && said_.size() >= kMostSaid) fault_ = fmt::format("sends more than {} bytes", kMostSaid);
 }
 
 // Its standard error. The launcher reads and drops the bytes beyond the limit.
@@ -140,19 +142,21 @@ void RemoteShell::look_for_turn() {
     if (at == std::string::npos) return;
     const std::size_t word = said_.find(turn_, at), end = said_.find('\n', word);
     if (end == std::string::npos) return;
-    diverted_ = said_.substr(word + turn_.size(), end - word - turn_.size());
+    std::istringstream line(said_.substr(word + turn_.size(), end - word - turn_.size()));
+    diverted_.emplace(std::istream_iterator<std::uint64_t>(line), std::istream_iterator<std::uint64_t>{});
     turn_.clear();
-    expect_file(*diverted_);
+    expect_files(*diverted_);
     keep(std::string_view(said_).substr(end + 1));
     said_.resize(word);
 }
 
-void RemoteShell::expect_file(std::string_view numbers) {
-    const std::size_t last = numbers.rfind(' ') + 1;
-    std::from_chars(numbers.data() + last, numbers.data() + numbers.size(), announced_);
-    if (file_name_.empty()) return;
+void RemoteShell::expect_files(const Numbers& numbers) {
+    if (!numbers.empty()) announced_ = numbers.back();
+    files_ = files_of_(numbers);
+    if (files_.empty()) return;
+    const std::filesystem::path& first = files_.front().first;
     std::error_code unknown;
-    const auto room = std::filesystem::space(file_name_.parent_path(), unknown);
+    const auto room = std::filesystem::space(first.parent_path(), unknown);
     if (unknown) return;
     // Half of the room before the first of all files, so that results have room, too.
     const std::uint64_t others = all_announced;
@@ -162,38 +166,43 @@ void RemoteShell::expect_file(std::string_view numbers) {
         return;
     }
     fault_ = fmt::format(
-        "announces {} bytes for {}, where with the {} bytes of other files they would take more than half of "
-        "the room, {} bytes",
-        announced_, file_name_.string(), others, 2 * most);
+        "announces {} bytes for {}; with the {} bytes of other files this is more than half of the free "
+        "space, {} bytes",
+        announced_, first.string(), others, 2 * most);
 }
 
 // No file for nothing. in_file() lacks bytes that could not be written.
 void RemoteShell::keep(std::string_view bytes) {
     if (!fault_.empty()) return;
-    const std::string_view part = bytes.substr(0, announced_ - std::min(announced_, came_));
+    std::string_view part = bytes.substr(0, announced_ - std::min(announced_, came_));
     came_ += bytes.size();
     if (came_ > announced_ + kFarewell)
         fault_ = fmt::format("sends more than the {} bytes that it announced", announced_);
-    if (part.empty() || file_name_.empty()) return;
-    if (!file_.is_open()) file_.open(file_name_, std::ios::binary | std::ios::trunc);
-    if (file_.write(part.data(), static_cast<std::streamsize>(part.size())).flush())
-        count_in_file(part.size());
+    while (!part.empty() && at_ < files_.size()) {
+        auto& [name, lacks] = files_[at_];
+        const std::string_view of_it = part.substr(0, lacks);
+        if (!of_it.empty() && !file_.is_open()) file_.open(name, std::ios::binary | std::ios::trunc);
+        if (file_.write(of_it.data(), static_cast<std::streamsize>(of_it.size())).flush()) {
+            in_file_ += of_it.size();
+            all_in_files += of_it.size();
+        }
+        part.remove_prefix(of_it.size());
+        lacks -= of_it.size();
+        if (lacks > 0) return;
+        file_ = {};
+        ++at_;
+    }
 }
 
-void RemoteShell::count_in_file(std::uint64_t bytes) {
-    in_file_ += bytes;
-    all_in_files += bytes;
-}
-
-void RemoteShell::divert_after(std::string_view word, std::filesystem::path file) {
+void RemoteShell::divert_after(std::string_view word, std::function<Files(const Numbers&)> files_of) {
     turn_ = word;
-    file_name_ = std::move(file);
+    files_of_ = std::move(files_of);
 }
 
 std::optional<int> RemoteShell::poll() {
     feed();
     const auto code = child_.poll();
-    // After the look at the child: what it said before its end is in the pipes.
+    // After the check for its end: the pipes then hold all of its output.
     hear(output_, [this](std::string_view bytes) { take(bytes); });
     hear(error_, [this](std::string_view bytes) { keep_words(bytes); });
     if (code || fault_.empty()) return code;

@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <boost/core/noncopyable.hpp>
@@ -33,11 +35,13 @@ class RemoteShell : boost::noncopyable {
     const std::string& said() const { return said_; }
     bool has_said(std::string_view line) const;
     std::string last_lines() const { return child_.last_lines(); }
-    // From the first line on that begins with this word its output goes to a new file, and no more to said(). The last
-    // number of that line is the file's length.
-    void divert_after(std::string_view word, std::filesystem::path file);
-    // The rest of that line, once it has come. The length. The bytes of the file that came and could be written.
-    const std::optional<std::string>& diverted() const { return diverted_; }
+    // From the first line on that begins with this word its output goes to new files, and no more to said(). `files_of` gives
+    // them, and their lengths, for the numbers of that line. The last number is the length of all.
+    using Numbers = std::vector<std::uint64_t>;
+    using Files = std::vector<std::pair<std::filesystem::path, std::uint64_t>>;
+    void divert_after(std::string_view word, std::function<Files(const Numbers&)> files_of);
+    // The numbers, once they have come. The length. The bytes of the files that came and could be written.
+    const std::optional<Numbers>& diverted() const { return diverted_; }
     std::uint64_t announced() const { return announced_; }
     std::uint64_t in_file() const { return in_file_; }
     std::uint64_t heard() const { return heard_; }  // bytes in all
@@ -56,8 +60,7 @@ class RemoteShell : boost::noncopyable {
     void keep(std::string_view bytes);
     void keep_words(std::string_view bytes);
     void look_for_turn();
-    void expect_file(std::string_view numbers);
-    void count_in_file(std::uint64_t bytes);
+    void expect_files(const Numbers& numbers);
 
     Child child_;
     int input_, output_, error_;
@@ -65,8 +68,10 @@ class RemoteShell : boost::noncopyable {
     std::size_t logged_ = 0;
     std::string pending_, said_, fault_;
     std::string turn_;  // the word; empty: none, or it has come
-    std::optional<std::string> diverted_;
-    std::filesystem::path file_name_;
+    std::optional<Numbers> diverted_;
+    std::function<Files(const Numbers&)> files_of_;
+    Files files_;  // with the bytes that each still lacks
+    std::size_t at_ = 0;
     std::ofstream file_;
     std::uint64_t heard_ = 0, announced_ = 0, came_ = 0, in_file_ = 0;
     std::uint64_t counted_ = 0;  // of the file, in the sum of all

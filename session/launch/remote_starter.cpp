@@ -1,7 +1,6 @@
 #include "session/launch/remote_starter.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <csignal>
 #include <cstdint>
 #include <utility>
@@ -12,6 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/json_text.hpp"
+#include "common/runtime/log/message_log.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
@@ -23,13 +23,15 @@ namespace thimble {
 namespace {
 
 constexpr Duration kSignOfLife = std::chrono::seconds{1};
-// The script needs two to kill a node that hangs; the rest is the way there and back.
+// Time for an ending node: the script needs 2 s to kill one that hangs, the rest is for the network.
 constexpr Duration kGoodbye = std::chrono::seconds{5};
 constexpr Duration kNothingToClean = std::chrono::milliseconds{500};
-// Of a log: slower than any network that carries a session, and no log is worth more.
+// The slowest transfer of a log: a network that carries a session is faster.
 constexpr double kSlowest_bytes_per_s = 1e5;
 constexpr Duration kLongestLog = std::chrono::minutes{10};
 constexpr int kDeepestReport = 20;
+// Of trials with a log: ten thousand, more than any session has.
+constexpr std::size_t kMostNumbers = 20'000;
 constexpr int kConnectionLost = 255;  // ssh(1), EXIT STATUS
 
 std::vector<std::string> command_to(const LaunchSettings& launch, const std::string& machine) {
@@ -45,24 +47,28 @@ class RemoteNode final : public RunningNode {
           bundle_(bundle),
           machine_(launch.machine(order.role)),
           command_(command_to(launch, machine_)),
-          shell_(command_, order.log) {
-        shell_.divert_after(kEnded, order.messages);
+          shell_(command_, order.log),
+          log_file_(order.messages) {
+        shell_.divert_after(kEnded, [this](const auto& numbers) { return logs_of(numbers); });
         shell_.send(
             remote_script({order.program, launch.programs, kVersion, machine_, bundle.files.front().name,
                            launch.lease, order.arguments, !order.messages.empty(), order.grant_key}));
     }
     ~RemoteNode() override {
         stop();
-        while (!heard_out()) wall_sleep(std::chrono::milliseconds{1});
+        while (!output_complete()) wall_sleep(std::chrono::milliseconds{1});
         poll();
-        if (code_) save_report();  // with what was heard since
+        if (!code_) return;
+        save_report();  // with what was heard since
     }
 
     std::optional<int> poll() override {
         if (code_) return code_;
         const auto code = shell_.poll();
-        code_ = shell_.diverted() ? exit_code_told() : code;
-        if (!code_) code_ = code;  // its last word lacks the number
+        code_ = code;
+        // Its node may have ended while its log is still on its way.
+        if (const auto& numbers = shell_.diverted(); numbers && !numbers->empty())
+            code_ = static_cast<int>(numbers->front());
         if (code_) note_stop_requests();
         if (code_) save_report();
         if (code_) return code_;
@@ -78,30 +84,30 @@ class RemoteNode final : public RunningNode {
         note_stop_requests();
         shell_.hang_up();
     }
-    bool heard_out() override;
+    bool output_complete() override;
     const std::string& program() const override { return order_.program; }
     std::string exit_message() override;
-    ExitCode verdict() const override {
+    ExitCode verdict() override {
         return code_ == kNoProgram || code_ == kOtherVersion || code_ == kNoFolder ? ExitCode::kRunFailed
-                                                                                   : ExitCode::kNetwork;
+                                                                                   : verdict_on(code_);
     }
 
   private:
-    // Not on top of what could not be sent yet: after a while without a way there it would only pile up.
+    // Not while older output waits: without a connection the messages would pile up.
     void give_sign_of_life() {
         const SessionTime now = wall_now();
         if (now < next_sign_ || !shell_.all_sent()) return;
         next_sign_ = now + kSignOfLife;
         shell_.send("\n");
     }
-    // From its end on: a signal that comes later is from a user who does not want to wait for its last words.
+    // A signal after the node's end means that the user does not want to wait for its output.
     void note_stop_requests() {
         if (!stops_before_) stops_before_ = stop_requests();
     }
     Duration patience() const { return started_ ? kGoodbye : kNothingToClean; }
-    std::optional<int> exit_code_told() const;
     Duration longest() const;
     std::string log_fault() const;
+    RemoteShell::Files logs_of(const RemoteShell::Numbers& numbers);
     void save_report();
 
     NodeOrder order_;
@@ -112,9 +118,11 @@ class RemoteNode final : public RunningNode {
     bool started_ = false;
     std::optional<int> code_;
     std::optional<unsigned> stops_before_;
-    std::uint64_t heard_ = 0;                                  // bytes, when heard_out() was asked last
-    std::optional<SessionTime> waiting_since_, silent_since_;  // of heard_out()
+    std::uint64_t heard_ = 0;                                  // bytes, when output_complete() was asked last
+    std::optional<SessionTime> waiting_since_, silent_since_;  // of output_complete()
     bool told_report_ = false;                                 // that it cannot be written
+    std::filesystem::path log_file_;                           // here, for its report
+    std::string cut_off_;                                      // why the rest of its output is not awaited
     SessionTime next_sign_{};
 };
 
@@ -122,7 +130,7 @@ std::string RemoteNode::exit_message() {
     const int code = poll().value_or(-1);
     const std::string words = shell_.last_lines();
     if (!shell_.fault().empty()) {
-        return fmt::format("'{}' was cut off, where {} ran: it {}; look at what '{}' prints there", machine_,
+        return fmt::format("lost '{}' while {} ran there: it {}; see what '{}' prints there", machine_,
                            order_.program, shell_.fault(), fmt::join(command_, " "));
     }
     if (!shell_.has_said(kReached)) {
@@ -136,24 +144,17 @@ std::string RemoteNode::exit_message() {
     return fmt::format("{} on '{}' ended with code {}: {}", order_.program, machine_, code, words);
 }
 
-// Its node may have ended while its log is still on its way.
-std::optional<int> RemoteNode::exit_code_told() const {
-    int code = -1;
-    const std::string& numbers = *shell_.diverted();
-    if (numbers.empty()) return std::nullopt;
-    std::from_chars(numbers.data() + 1, numbers.data() + numbers.size(), code);
-    return code;
-}
-
 // The whole of its log, as long as that comes, in a time that fits its length. A signal ends the wait.
-bool RemoteNode::heard_out() {
+bool RemoteNode::output_complete() {
     if (shell_.poll()) return true;
     const SessionTime now = wall_now();
     if (!waiting_since_) waiting_since_ = now;
     if (!silent_since_ || heard_ != shell_.heard()) silent_since_ = now;
     heard_ = shell_.heard();
     const bool late = now - *silent_since_ > patience() || now - *waiting_since_ > longest();
-    if (!late && stop_requests() == stops_before_) return false;
+    const bool stopped = stop_requests() != stops_before_;
+    if (!late && !stopped) return false;
+    cut_off_ = stopped ? "a signal ended the wait for the rest" : "the rest did not come in time";
     shell_.kill();
     return true;
 }
@@ -165,11 +166,30 @@ Duration RemoteNode::longest() const {
 
 std::string RemoteNode::log_fault() const {
     if (order_.messages.empty() || !shell_.diverted() || shell_.announced() == shell_.in_file()) return {};
-    const std::string advice =
-        shell_.fault().empty() ? fmt::format("is there room in {}?", order_.messages.parent_path().string())
-                               : fmt::format("that machine {}", shell_.fault());
-    return fmt::format("the log of messages of {} came from '{}' with {} of its {} bytes; {}", order_.program,
-                       machine_, shell_.in_file(), shell_.announced(), advice);
+    std::string advice = cut_off_;
+    if (!shell_.fault().empty())
+        advice = fmt::format("that machine {}", shell_.fault());
+    else if (advice.empty() && shell_.diverted()->size() > kMostNumbers)
+        advice = fmt::format("it has more than {} trials: run fewer at a time", kMostNumbers / 2 - 1);
+    else if (advice.empty())
+        advice = fmt::format("is there room in {}?", order_.messages.parent_path().string());
+    return fmt::format("only part of the message log of {} came from '{}', {} of {} bytes; {}",
+                       order_.program, machine_, shell_.in_file(), shell_.announced(), advice);
+}
+
+// In lock-step each trial has a log. Their trials and lengths stand behind the exit code.
+RemoteShell::Files RemoteNode::logs_of(const RemoteShell::Numbers& numbers) {
+    if (order_.messages.empty()) return {};
+    if (numbers.size() < 4) return {{order_.messages, numbers.empty() ? 0 : numbers.back()}};
+    RemoteShell::Files files;
+    std::uint64_t last = 0;
+    for (std::size_t i = 1; i + 2 < std::min(numbers.size(), kMostNumbers); i += 2) {
+        files.emplace_back(log_path_of_trial(order_.messages, static_cast<unsigned>(numbers[i])),
+                           numbers[i + 1]);
+        last = std::max(last, numbers[i]);
+    }
+    log_file_ = log_path_of_trial(order_.messages, static_cast<unsigned>(last));
+    return files;
 }
 
 void RemoteNode::save_report() {
@@ -183,7 +203,7 @@ void RemoteNode::save_report() {
     if (!report.is_object()) return;
     report["machine"] = machine_;
     if (report.contains("log") && report["log"].is_object() && shell_.poll()) {
-        report["log"]["file"] = order_.messages.string();
+        report["log"]["file"] = log_file_.string();
         if (const std::string fault = log_fault(); !fault.empty()) report["log"]["fault"] = fault;
     }
     try {

@@ -1,11 +1,32 @@
-// Nodes on other machines: a command (ssh, `ip netns exec`, ...) opens a shell there, which runs our script (remote_script.hpp). Nodes whose machine is this one are children, as ever.
+// Starts nodes on other machines: a command (ssh, `ip netns exec`, ...) opens a shell there, which runs our script
+// (remote_script.hpp). Nodes of this machine are child processes.
 #pragma once
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include "session/launch/node_starter.hpp"
-#include "session/launch/session_bundle.hpp"
 #include "session/settings/launch_settings.hpp"
 
 namespace thimble {
+
+// A session file with every file that it names: what a node on another machine needs to read the same settings.
+struct BundledFile {
+    std::string name;  // relative, in the folder of the session file; '/' between folders
+    std::string text;
+};
+
+struct SessionBundle {
+    std::vector<BundledFile> files;  // the session file first
+};
+
+// Reads them all. Throws Error (usage) if the session file cannot be read with the others from its own folder alone:
+// a name that is absolute, leads out of the folder, or was found elsewhere.
+SessionBundle make_bundle(const std::filesystem::path& session);
+
+// How it is sent: for each file a line "SIZE NAME" and SIZE bytes, then the line "end".
+std::string to_stream(const SessionBundle& bundle);
 
 class RemoteStarter final : public NodeStarter {
   public:
@@ -23,8 +44,7 @@ class RemoteStarter final : public NodeStarter {
     std::unique_ptr<NodeStarter> here_;
 };
 
-// Whether a program is there, with this program's version, without starting it: "" or what is wrong. Its words go to
-// `log`, a new file.
+// Result of check_machine(): is the program there, in this program's version? It is not started.
 struct MachineVerdict {
     ExitCode code = ExitCode::kOk;
     std::string problem;

@@ -1,5 +1,3 @@
-#include "session/launch/session_bundle.hpp"
-
 #include <algorithm>
 #include <cctype>
 #include <fstream>
@@ -8,6 +6,7 @@
 
 #include "common/error.hpp"
 #include "common/text_file.hpp"
+#include "session/launch/remote_starter.hpp"
 #include "session/settings/system_settings.hpp"
 
 namespace thimble {
@@ -17,8 +16,8 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const fs::path& session, const std::string& name, const char* why) {
     throw Error(ExitCode::kUsage,
-                "{}: names the file '{}', which {}; put it beside the session file and name it so, then it "
-                "is sent to the other machines as well",
+                "{}: names the file '{}', which {}; put the file beside the session file and use its plain "
+                "name, then it is sent to the other machines",
                 session.string(), name, why);
 }
 
@@ -47,11 +46,11 @@ SessionBundle make_bundle(const fs::path& session) {
     read_system_settings(file);  // which reads, and so names, every file
     SessionBundle bundle;
     const std::string own = session.filename().string();
-    if (is_odd(own)) refuse(session, own, "has a name with blanks at its ends or control characters");
+    if (is_odd(own)) refuse(session, own, "has blanks at the ends of its name, or control characters");
     bundle.files.push_back({own, read_file(session, own)});
     for (const std::string& name : file.used_files()) {
-        if (leads_out(name)) refuse(session, name, "may be another one on another machine");
-        if (is_odd(name)) refuse(session, name, "has a name with blanks at its ends or control characters");
+        if (leads_out(name)) refuse(session, name, "may be a different file on another machine");
+        if (is_odd(name)) refuse(session, name, "has blanks at the ends of its name, or control characters");
         bundle.files.push_back({name, read_file(session, name)});
     }
     return bundle;

@@ -28,7 +28,7 @@ bool is_address(const std::string& host) {
     return inet_pton(AF_INET, host.c_str(), &address) == 1;
 }
 
-// Whom a node talks to, as lines of a unit; none where a host is a name, which systemd would not resolve.
+// The peers of a node as lines of a unit; none where a host is a name, because systemd does not resolve names.
 std::string address_rules(const NetworkSettings& network, Role role) {
     std::set<std::string> peers;
     for (const Port port : kEveryPort) {
@@ -100,7 +100,7 @@ WantedBy=multi-user.target
 std::string credential(const SecuritySettings& security) {
     if (security.mode == SecurityMode::kUserKey) {
         throw Error(ExitCode::kUsage,
-                    "[security] mode \"user-key\" is no mode for services, which run as users of their own: "
+                    "[security] mode \"user-key\" does not work for services, which run as different users: "
                     "make a key with 'thimble keygen' and set mode = \"lab-key\" (docs/machines.md)");
     }
     if (security.mode == SecurityMode::kNone) return "";

@@ -30,4 +30,7 @@ inline constexpr const char* kSessionFolder = "/etc/thimble";
 // One per node. Throws Error (usage) in mode "user-key".
 std::vector<UnitFile> unit_files(const UnitPlan& plan);
 
+// A Markdown table of the flows from one machine to another, a line per UDP port: a firewall must let them through.
+std::string firewall_table(const NetworkSettings& network, const LaunchSettings& launch);
+
 }  // namespace thimble

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -10,6 +9,7 @@
 #include <unistd.h>
 #include <utility>
 
+#include "common/decimal_text.hpp"
 #include "common/error.hpp"
 
 namespace thimble {
@@ -31,7 +31,7 @@ std::string name_among(const std::vector<std::filesystem::path>& all, std::size_
     for (std::size_t i = 0; i < all.size(); ++i) {
         if (i == own || all[i].stem() != all[own].stem()) continue;
         if (all[i] == all[own])
-            throw Error(ExitCode::kUsage, "{}: is given twice; name each log once", all[i].string());
+            throw Error(ExitCode::kUsage, "{}: is named twice; name each log once", all[i].string());
         if (all[i].parent_path() == all[own].parent_path()) {
             with_extension = true;
             continue;
@@ -45,7 +45,7 @@ std::string name_among(const std::vector<std::filesystem::path>& all, std::size_
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
     const auto fail = [&](const char* why) {
-        throw Error(ExitCode::kData, "{}: cannot be read: {}; is it the name of a log?", path.string(), why);
+        throw Error(ExitCode::kData, "{}: cannot read this log: {}; is the name right?", path.string(), why);
     };
     const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (descriptor < 0) fail(std::strerror(errno));
@@ -55,7 +55,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
     void* mapped = size > 0 ? mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0) : nullptr;
     const int error = errno;
     close(descriptor);
-    if (!regular) fail("it is no regular file");
+    if (!regular) fail("it is not a regular file");
     if (mapped == MAP_FAILED) fail(std::strerror(error));
     bytes_ = {static_cast<const std::uint8_t*>(mapped), size};
 }
@@ -94,10 +94,10 @@ LoggedFile::LoggedFile(const std::filesystem::path& path, std::string name)
     Reading reading(*this);
     scan_ = scan_mcap(file_.bytes(), reading);
     if (scan_.begins) return;
-    throw Error(ExitCode::kData,
-                "{}: is no MCAP file, or nothing was written to it; thimble log reads files that end in "
-                ".mcap (docs/log.md)",
-                path.string());
+    throw Error(
+        ExitCode::kData,
+        "{}: is not an MCAP file, or is empty; thimble log reads files that end in .mcap (docs/log.md)",
+        path.string());
 }
 
 std::string LoggedFile::value(std::string_view record, std::string_view key) const {
@@ -109,10 +109,7 @@ std::string LoggedFile::value(std::string_view record, std::string_view key) con
 std::uint64_t LoggedFile::lost() const {
     std::uint64_t lost = 0;
     for (const LogMetadata& m : metadata_) {
-        const std::string_view text = value_of(m.pairs, "messages_lost");
-        std::uint64_t told = 0;
-        std::from_chars(text.data(), text.data() + text.size(), told);
-        lost = std::max(lost, told);
+        lost = std::max(lost, parse_whole<std::uint64_t>(value_of(m.pairs, "messages_lost")).value_or(0));
     }
     return lost;
 }

@@ -1,4 +1,4 @@
-// A log of one program (docs/log.md), opened: what it says about itself, and its messages to go through.
+// A log of one program (docs/log.md): its origin, its topics and its messages.
 #pragma once
 
 #include <cstdint>
@@ -64,7 +64,7 @@ class LoggedFile {
     const std::string& library() const { return library_; }
     std::uint64_t first_ns() const { return first_ns_; }
     std::uint64_t last_ns() const { return last_ns_; }
-    // Messages that its writer had to give up; as last told.
+    // Number of messages that the writer lost, from its last note.
     std::uint64_t lost() const;
 
     using Use = std::function<void(const LoggedTopic&, const McapMessage&)>;

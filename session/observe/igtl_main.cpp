@@ -160,7 +160,7 @@ class IgtlServer final : public Process {
         if (!waits_) tell(now);
     }
     SessionTime next_wakeup() const override { return next_; }
-    // The end of a recorded session, as soon as everybody has it.
+    // Ends with a recorded session, after all clients have received it.
     bool stopped() const override { return over_; }
 
   private:
@@ -192,29 +192,30 @@ class IgtlServer final : public Process {
 
 void add_igtl_options(CLI::App& app, IgtlOptions& o) {
     o.session.add_options(app);
-    app.add_option("--listen", o.listen, "where OpenIGTLink's clients connect")
+    app.add_option("--listen", o.listen, "where OpenIGTLink clients connect")
         ->default_val(o.listen)
         ->type_name("[HOST:]PORT");
-    app.add_option(
-        "--replay", o.replay,
-        "logs (.mcap) of one session instead of a session that runs; begins with the first client");
-    app.add_option("--speed", o.speed, "of a replay; 1: as it was")
+    app.add_option("--replay", o.replay,
+                   "show log files (.mcap) of one session instead of a running session; starts when the "
+                   "first client connects");
+    app.add_option("--speed", o.speed, "speed of the replay; 1: as recorded")
         ->check(CLI::Range(0.01, 100.0))
         ->default_val(o.speed);
-    app.add_option("--rate", o.rate_Hz, "how often needle, surface and force are sent, Hz")
+    app.add_option("--rate-Hz", o.rate_Hz, "how often needle, surface and force are sent, Hz")
         ->check(CLI::Range(1.0, 250.0))
         ->default_val(o.rate_Hz);
     app.set_version_flag("--version", std::string(kVersion));
     app.footer(
-        "Examples:\n  thimble-igtl deploy/sessions/delay50.toml      # beside: thimble run ... "
-        "--monitor\n"
-        "  thimble-igtl --replay out/run/nodes/session_50ms.mcap\n\n"
+        "Examples:\n"
+        "  thimble-igtl deploy/sessions/delay50.toml      # beside: thimble run ... --monitor\n"
+        "  thimble-igtl --replay out/run/nodes/session_50ms.mcap\n"
+        "\n"
         "Exit codes: 0 ok, 2 usage or configuration, 3 network, 5 a log cannot be read.");
 }
 
 int serve(const IgtlOptions& options) {
     const NetworkSettings network = options.session.network();
-    const Endpoint local = read_observer(options.listen, "--listen");
+    const Endpoint local = read_endpoint(options.listen, "--listen", "127.0.0.1");
     require_observer_here(network.security, local.host, "--listen");
     const bool replay = !options.replay.empty();
     install_stop_signals();
@@ -235,7 +236,7 @@ int serve(const IgtlOptions& options) {
     spdlog::info("ready: OpenIGTLink on {}:{}", local.host, server.port());
     loop.run(process);
     if (server.skipped() > 0)
-        spdlog::warn("{} messages were not sent, to clients that read too slowly", server.skipped());
+        spdlog::warn("{} messages were not sent, because clients read too slowly", server.skipped());
     return static_cast<int>(ExitCode::kOk);
 }
 
@@ -244,9 +245,9 @@ int serve(const IgtlOptions& options) {
 int main(int argc, char** argv) {
     return guarded_main("thimble-igtl", [&] {
         CLI::App app(
-            "Shows a session to 3D Slicer and other programs that speak OpenIGTLink: needle and surface "
-            "(TRANSFORM, mm), "
-            "force (SENSOR, N), state (STRING) and status (STATUS). Looks only, and takes no orders.",
+            "Shows a session in 3D Slicer and other OpenIGTLink programs: needle and surface (TRANSFORM, "
+            "mm), force (SENSOR, N), state (STRING) and status (STATUS). It only observes: clients cannot "
+            "change the session.",
             "thimble-igtl");
         IgtlOptions options;
         add_igtl_options(app, options);

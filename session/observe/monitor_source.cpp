@@ -61,7 +61,7 @@ LoggedMonitor::LoggedMonitor(const std::vector<std::string>& logs, double speed)
     }
     if (!moments_.empty()) return;
     throw Error(ExitCode::kData,
-                "{}: there is no /slave_sim/record in it, so nothing to show: give the session's log "
+                "{}: holds no topic /slave_sim/record, so there is nothing to show: give the session's log "
                 "(session_<delay>ms.mcap) of a run with [log] messages = \"all\"",
                 logs.front());
 }

@@ -21,7 +21,7 @@ class MonitorSource : boost::noncopyable {
     virtual std::uint32_t trial() const = 0;
     virtual bool silent(SessionTime now) const = 0;
     virtual bool over() const { return false; }
-    // Because others were awaited: what is shown begins now.
+    // Called when the first client has connected: playback begins now.
     virtual void start(SessionTime /*now*/) {}
 };
 

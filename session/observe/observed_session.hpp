@@ -1,4 +1,4 @@
-// The session that a program shows to others: which one it is, and from whose seat, as its command line says.
+// The session that a program shows to others: which one it is, and in which person's role, as its command line says.
 #pragma once
 
 #include <cstdint>
@@ -12,27 +12,27 @@
 namespace thimble {
 
 struct ObservedSession {
-    std::string config, seat = "experimenter";
+    std::string config, role = "experimenter";
     int base_port = 0;
 
     void add_options(CLI::App& app) {
-        app.add_option("session", config, "session file (TOML): where the session is, and its lab key");
-        app.add_option("--base-port", base_port, "first UDP port, instead of [network].base_port")
+        app.add_option("session", config,
+                       "session file (TOML) of the running session, for its ports and its lab key");
+        app.add_option("--base-port", base_port, "first UDP port, instead of [network] base_port")
             ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
             ->type_name("PORT");
-        app.add_option(
-               "--seat", seat,
-               "whose view this is instead of: experimenter (thimble run --monitor), or player (where an "
-               "experimenter's view is open as well)")
+        app.add_option("--role", role,
+                       "connect in place of this person's view: experimenter (thimble run --monitor), or "
+                       "player (if an experimenter's view is open as well)")
             ->check(CLI::IsMember({"experimenter", "player"}))
-            ->default_val(seat);
+            ->default_val(role);
     }
     NetworkSettings network() const {
         return observed_network(config, static_cast<std::uint16_t>(base_port));
     }
-    // Each view hears what `thimble run --monitor` says. Throws Error (network) if another view sits there.
+    // Opens the Monitor of one view. Throws Error (network) if another view uses the port.
     Channel& monitor(Sockets& sockets) const {
-        return seat == "player" ? *sockets.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)
+        return role == "player" ? *sockets.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)
                                 : *sockets.between(Port::kExperimenterMonitor, Port::kSessionOrders);
     }
 };

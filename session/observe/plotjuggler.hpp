@@ -1,4 +1,4 @@
-// The state of a session as JSON datagrams for PlotJuggler's "UDP Server" (docs/interoperability.md lists the keys).
+// The state of a session as JSON datagrams for PlotJuggler's "UDP Server" (docs/interoperability.md).
 #pragma once
 
 #include <algorithm>
@@ -53,14 +53,14 @@ inline std::string plotjuggler_json(double date_s, const std::string& condition,
     return json_text(nlohmann::ordered_json{{"timestamp", date_s}, {"thimble", std::move(values)}});
 }
 
-// Where [HOST:]PORT of --plotjuggler is, if the file allows it. Throws Error as read_observer() and require_observer_here() do.
+// Where [HOST:]PORT of --plotjuggler is, if the file allows it. Throws Error as read_endpoint() and require_observer_here() do.
 inline Endpoint plotjuggler_at(const std::string& text, const NetworkSettings& network) {
-    Endpoint to = read_observer(text, "--plotjuggler");
+    Endpoint to = read_endpoint(text, "--plotjuggler", "127.0.0.1");
     require_observer_here(network.security, to.host, "--plotjuggler");
     return to;
 }
 
-// Sits beside a session and sends its state, undelayed and with the fixture. Reads only; a datagram that cannot be sent is lost.
+// Observes a session and sends its state, undelayed and with the fixture. A datagram that cannot be sent is lost.
 class PlotJugglerFeed final : public Observer {
   public:
     // `session` outlives the feed. `ahead`: of 1970's clock, of the session's. `other`, which may be null, is

@@ -17,9 +17,11 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
+#include "master/devices/ros2_handle.hpp"
 #include "session/observe/observed_session.hpp"
 #include "session/observe/observers.hpp"
-#include "session/observe/ros2_news.hpp"
+#include "session/observe/ros2_events.hpp"
+#include "slave_sim/ros2_needle.hpp"
 #include "visual_node/views/monitor_receiver.hpp"
 
 namespace {
@@ -115,7 +117,7 @@ class Ros2Publisher {
 
     Ros2Bus* bus_;
     std::string prefix_, state_said_;
-    Ros2News news_;
+    Ros2Events news_;
     dds_entity_t clock_ = 0;
     std::array<dds_entity_t, 2> places_ = writers(kPlaces, geometry_msgs_msg_dds__PoseStamped__desc);
     std::array<dds_entity_t, 4> forces_ = writers(kForces, geometry_msgs_msg_dds__WrenchStamped__desc);
@@ -153,31 +155,47 @@ class Ros2Observer final : public Process {
     SessionTime next_state_{};
 };
 
+// For --help: those of thimble-ros2-master and thimble-ros2-slave.
+std::string device_topics() {
+    std::string text;
+    const auto add = [&](const char* name, Ros2Type type, const char* way) {
+        text += fmt::format("  {:<38} {:<32} {}\n", name, ros2_name(type), way);
+    };
+    add(Ros2Handle::kPositions, Ros2Type::kPoseStamped, "from the handle");
+    add(Ros2Handle::kForces, Ros2Type::kWrenchStamped, "to the handle");
+    add(Ros2Needle::kPositions, Ros2Type::kPoseStamped, "from the robot");
+    add(Ros2Needle::kForces, Ros2Type::kWrenchStamped, "from the robot");
+    add(Ros2Needle::kOrders, Ros2Type::kPoseStamped, "to the robot");
+    return text;
+}
+
 void add_ros2_options(CLI::App& app, Ros2Options& o) {
     o.session.add_options(app);
-    app.add_option("--domain", o.domain, "of DDS; default: ROS_DOMAIN_ID, or 0")
+    app.add_option("--domain", o.domain, "DDS domain; default: ROS_DOMAIN_ID, or 0")
         ->check(CLI::Range(0, 232))
         ->type_name("ID");
-    app.add_option("--interface", o.interface, "address of the one interface that DDS uses")
+    app.add_option("--interface", o.interface, "address of the one network interface that DDS uses")
         ->default_val(o.interface)
         ->type_name("ADDRESS");
-    app.add_option("--prefix", o.prefix, "of the topics; two sessions at once need two domains as well")
+    app.add_option("--prefix", o.prefix,
+                   "first part of the topic names; two sessions at once also need two domains")
         ->check([](const std::string& text) {
             const bool good =
                 text.size() > 1 && text.front() == '/' && std::isalpha(text[1]) != 0 &&
                 text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/") ==
                     std::string::npos;
-            return good ? std::string() : "write a name of ROS 2, such as /lab/thimble";
+            return good ? std::string() : "write a ROS 2 name, such as /lab/thimble";
         })
         ->default_val(o.prefix);
-    app.add_flag("--no-clock", o.no_clock, "leaves /clock to others");
+    app.add_flag("--no-clock", o.no_clock, "do not publish /clock");
     app.set_version_flag("--version", std::string(kVersion));
     app.footer(fmt::format(
         "Topics, types and their quality of service:\n{}\n"
+        "Topics of devices, as sensor data; 'thimble run' starts their programs (docs/ros2.md):\n{}\n"
         "Examples:\n  thimble-ros2 deploy/sessions/delay50.toml      # beside: thimble run ... --monitor\n"
         "  ros2 topic echo /thimble/slave_sim/measured_cf\n\n"
         "Exit codes: 0 ok, 2 usage or configuration, 3 network.",
-        Ros2Publisher::topics("/thimble")));
+        Ros2Publisher::topics("/thimble"), device_topics()));
 }
 
 int observe(const Ros2Options& options) {
@@ -203,8 +221,8 @@ int observe(const Ros2Options& options) {
 int main(int argc, char** argv) {
     return guarded_main("thimble-ros2", [&] {
         CLI::App app(
-            "Shows a session as ROS 2 topics, by DDS: needle, forces, frames, events. It needs no ROS "
-            "installation. Looks only, and takes no orders.",
+            "Publishes a session as ROS 2 topics over DDS: needle, forces, frames, events. It needs no ROS "
+            "installation. It only observes: topics cannot change the session.",
             "thimble-ros2");
         Ros2Options options;
         add_ros2_options(app, options);

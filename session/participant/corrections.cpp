@@ -21,13 +21,14 @@ Dataset dataset_in(const std::filesystem::path& folder) {
     Dataset dataset(folder);
     if (dataset.kind()) return dataset;
     throw Error(ExitCode::kUsage,
-                "{}: is no dataset of participants; name the --out folder of a participant session",
+                "{}: is not a dataset of participants; name the --out folder of a participant session",
                 folder.string());
 }
 
 std::uint32_t participant_named(const std::string& name) {
     const auto participant = parse_participant(name);
-    if (!participant) throw Error(ExitCode::kUsage, "{}: is no participant, e.g. P07", name);
+    if (!participant)
+        throw Error(ExitCode::kUsage, "{}: is not a participant; write P and a number, e.g. P07", name);
     return *participant;
 }
 
@@ -45,7 +46,7 @@ DatasetRecord record_at(const Dataset& dataset, const std::string& name, std::ui
 void write_note(const Dataset& dataset, std::uint32_t participant, const std::string& item,
                 const std::string& before, const std::string& after, const CorrectionNote& note) {
     if (tsv_text(note.reason) == kNotAvailable)
-        throw Error(ExitCode::kUsage, "data are changed with a reason only: say why");
+        throw Error(ExitCode::kUsage, "data are changed only with a reason: give --reason");
     const std::array<std::string, 7> fields{
         note.time_utc, tsv_text(note.by),    participant_id(participant), item, before,
         after,         tsv_text(note.reason)};

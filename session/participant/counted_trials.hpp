@@ -22,8 +22,8 @@ namespace thimble {
 
 enum class LeftOut : std::uint8_t { kPractice, kAttention, kExcluded, kRejected, kSuperseded, kFailed };
 inline const char* to_string(LeftOut why) {
-    constexpr std::array kNames{"practice", "attention trials",       "excluded",
-                                "rejected", "superseded by a repeat", "failed"};
+    constexpr std::array kNames{"practice", "attention trials",     "excluded",
+                                "rejected", "replaced by a repeat", "failed"};
     return kNames.at(static_cast<std::size_t>(why));
 }
 
@@ -130,7 +130,7 @@ inline std::vector<std::string> describe(const CountedTrials& trials) {
         lines.push_back(
             fmt::format("corrected after the sessions: {} times (corrections.tsv)", trials.corrections));
     if (trials.missing > 0) {
-        lines.push_back(fmt::format("planned trials without a record that counts: {}", trials.missing));
+        lines.push_back(fmt::format("planned trials without a valid record: {}", trials.missing));
     }
     return lines;
 }

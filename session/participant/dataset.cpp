@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "common/decimal_text.hpp"
 #include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
-#include "netem/formats/text_lines.hpp"
-#include "session/participant/sidecars.hpp"
 #include "session/participant/tsv.hpp"
 
 namespace thimble {
@@ -34,11 +32,6 @@ std::string description_text(SubjectKind kind, const DatasetSettings& settings) 
     return json_text(json, 2) + '\n';
 }
 
-bool has_text(const std::filesystem::path& path, const std::string& text) {
-    std::ifstream file(path, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {}) == text;
-}
-
 // But for what a crash left of open(): whole sidecars, and a file half written.
 bool holds_nothing(const std::filesystem::path& folder, const std::filesystem::path& description,
                    const std::vector<Sidecar>& sidecars) {
@@ -47,7 +40,7 @@ bool holds_nothing(const std::filesystem::path& folder, const std::filesystem::p
                std::any_of(sidecars.begin(), sidecars.end(), [&](const Sidecar& sidecar) {
                    const auto file = folder / sidecar.file;
                    return entry.path() == file.string() + ".new" ||
-                          (entry.path() == file && has_text(file, sidecar.text));
+                          (entry.path() == file && read_text_file(file) == sidecar.text);
                });
     };
     std::error_code absent;
@@ -79,8 +72,8 @@ std::optional<SubjectKind> Dataset::kind() const {
     const auto kind = has_kind ? parse_subject_kind(json[kKindKey].get<std::string>()) : std::nullopt;
     if (!kind) {
         throw Error(ExitCode::kData,
-                    "{}: does not say whether its subjects are virtual or human (key \"{}\"): it is no "
-                    "dataset of Thimble, or it was changed; restore it",
+                    "{}: does not say whether its subjects are virtual or human (key \"{}\"): it is not a "
+                    "Thimble dataset, or it was changed; restore it",
                     description().string(), kKindKey);
     }
     return kind;
@@ -90,14 +83,14 @@ void Dataset::open(SubjectKind wanted, const DatasetSettings& settings) const {
     if (const auto found = kind()) {
         if (*found == wanted) return;
         throw Error(ExitCode::kUsage,
-                    "{}: holds data of {} subjects, and data of virtual and human subjects never share a "
-                    "folder; name another one with --out",
+                    "{}: holds data of {} subjects, and virtual and human subjects never share a folder; "
+                    "name another one with --out",
                     folder_.string(), to_string(*found));
     }
     const std::vector<Sidecar> sidecars = sidecars_of(wanted, settings.name);
     if (!holds_nothing(folder_, description(), sidecars)) {
         throw Error(ExitCode::kUsage,
-                    "{}: holds something that is no dataset of participants; name a new or an empty folder "
+                    "{}: holds files that are not a dataset of participants; name a new or an empty folder "
                     "with --out",
                     folder_.string());
     }
@@ -111,8 +104,8 @@ void refuse_dataset(const std::filesystem::path& folder) {
     const auto kind = Dataset(folder).kind();
     if (!kind) return;
     throw Error(ExitCode::kUsage,
-                "{}: holds a dataset of {} participants, and nothing else is written there; name another "
-                "folder with --out",
+                "{}: holds a dataset of {} participants, and no other data can be written there; name "
+                "another folder with --out",
                 folder.string(), to_string(*kind));
 }
 
@@ -124,18 +117,18 @@ constexpr std::array<std::string_view, 8> kPersonColumns{
 std::string line_of(std::uint32_t participant, SubjectKind kind, const PersonDescription& p) {
     const bool human = kind == SubjectKind::kHuman;
     const std::string none(kNotAvailable);
-    return fmt::format(
-        "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}", participant_id(participant),
-        human ? "homo sapiens" : none,  // where it is missing, BIDS takes everybody for a human
-        human ? p.age : none, human ? p.sex : none, human ? p.handedness : none,
-        human ? p.haptic_experience : none, to_string(kind), human && p.consent ? "yes" : none);
+    return fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}", participant_id(participant),
+                       human ? "homo sapiens" : none,  // BIDS assumes humans where it is missing
+                       human ? p.age : none, human ? p.sex : none, human ? p.handedness : none,
+                       human ? p.haptic_experience : none, to_string(kind),
+                       human && p.consent ? "yes" : none);
 }
 
 }  // namespace
 
 std::string age_text(const std::string& years) {
     if (years == kNotAvailable) return years;
-    const auto age = parse_integer(years);
+    const auto age = parse_whole<std::int64_t>(years);
     if (!age || *age < 1 || *age > 120) {
         throw Error(ExitCode::kUsage, "--age {}: must be whole years, 1 to 120, or n/a", years);
     }

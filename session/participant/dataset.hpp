@@ -50,8 +50,8 @@ class Dataset {
 // For programs that write other things: throws Error (usage) if `folder` holds a dataset of participants.
 void refuse_dataset(const std::filesystem::path& folder);
 
-// Of participants.tsv: a line per participant, added before the first trial and altered by corrections.hpp alone. Pseudonymous: a number and
-// what the study needs; names, dates of birth and the signed consent belong elsewhere.
+// Of participants.tsv: a line per participant, added before the first trial and altered by corrections.hpp alone.
+// Pseudonymous: a number and what the study needs; names, dates of birth and the signed consent belong elsewhere.
 // "n/a" where it was not asked or not told. Values as BIDS wants them.
 struct PersonDescription {
     std::string age = "n/a";                // whole years, "89+" from 89 on
@@ -75,5 +75,32 @@ void set_person_field(const Dataset& dataset, std::uint32_t participant, std::st
                       const std::string& value);
 
 std::vector<std::uint32_t> read_participants(const Dataset& dataset);
+
+// The files that BIDS asks for beside the tables: the meaning of each column, and a page for readers of the folder.
+struct Sidecar {
+    const char* file;
+    std::string text;
+};
+
+// participants.json, task-needle_beh.json, README.md and .bidsignore.
+std::vector<Sidecar> sidecars_of(SubjectKind kind, const std::string& name);
+
+// Recorded movements as a dataset in the layout of Motion-BIDS (Brain Imaging Data Structure 1.9, "Motion"), made new from what a
+// participant session, or `thimble study --trajectories`, has written. For each trial with a trajectory that has samples:
+//
+//     sub-07/motion/sub-07_task-needle_tracksys-slave_run-01_motion.tsv      a line per sample, without a header
+//                   ..._motion.json, ..._channels.tsv                        what its columns are
+//                   ..._events.tsv, ..._events.json                          the trial's conditions, puncture, contact with the fixture, beep
+//
+// run: the record of a participant session; of a study, or of `thimble run`, the trial's place, with the experiment in the task
+// (task-needleExperiment3).
+struct MotionExport {
+    std::size_t subjects = 0, trials = 0;
+    std::size_t without_trajectory = 0;  // of the trials in the tables
+};
+
+// `to` must be new or empty, and `from` a dataset or a study. Throws Error (usage) if they are not.
+// Throws Error (data) if a file cannot be read, or if there is no trajectory. Throws Error (run failed) if a file cannot be written.
+MotionExport export_motion(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace thimble

@@ -1,4 +1,3 @@
-#include "session/participant/motion_export.hpp"
 
 #include <algorithm>
 #include <array>
@@ -188,7 +187,8 @@ class MotionDataset {
     const std::set<std::uint32_t>& subjects() const { return subjects_; }
     MotionExport finish() {
         if (done_.trials == 0) {
-            throw Error(ExitCode::kData, "{}: no trial has a trajectory; of a study say --trajectories",
+            throw Error(ExitCode::kData,
+                        "{}: no trial has a trajectory; run thimble study with --trajectories",
                         from_.string());
         }
         done_.subjects = subjects_.size();
@@ -205,7 +205,7 @@ MotionJson read_description(const fs::path& path) {
     std::ifstream file(path);
     MotionJson json = MotionJson::parse(file, nullptr, false);
     if (json.is_object()) return json;
-    throw Error(ExitCode::kData, "{}: is no JSON object; restore it", path.string());
+    throw Error(ExitCode::kData, "{}: is not a JSON object; restore it", path.string());
 }
 
 // BIDS knows movements since 1.9.
@@ -267,7 +267,7 @@ MotionExport exported(const fs::path& from, const fs::path& to) {
         export_study(from, to, out);
     } else {
         throw Error(ExitCode::kUsage,
-                    "{}: holds neither a participant session's dataset nor a study's trials.csv",
+                    "{}: holds neither the dataset of a participant session nor the trials.csv of a study",
                     from.string());
     }
     return out.finish();

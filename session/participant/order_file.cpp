@@ -72,8 +72,7 @@ OrderEntry attention_trial(const Protocol& protocol, std::uint32_t participant, 
 std::vector<OrderEntry> plan_order(const SystemSettings& settings, std::uint32_t participant) {
     if (!settings.protocol) {
         throw Error(ExitCode::kUsage,
-                    "the session file has no table [protocol]: add one, e.g. as in "
-                    "deploy/sessions/human.toml");
+                    "the session file has no table [protocol]: add one, as in deploy/sessions/human.toml");
     }
     const ProtocolSettings& plan = *settings.protocol;
     if (participant > plan.subjects) {
@@ -82,10 +81,11 @@ std::vector<OrderEntry> plan_order(const SystemSettings& settings, std::uint32_t
                     participant, plan.subjects);
     }
     if (settings.plan.delays.size() > 1) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("[session] delays_s names {} delays, and a participant session has one: name "
-                                "one, and give the others files of their own (thimble study takes all)",
-                                settings.plan.delays.size()));
+        throw Error(
+            ExitCode::kUsage,
+            fmt::format("[session] delays_s names {} delays, but a participant session has one: name one, "
+                        "and write a session file for each other delay (thimble study takes all)",
+                        settings.plan.delays.size()));
     }
     const std::vector<Protocol> protocols = session_protocols(settings);
     std::vector<OrderEntry> order = practice_of(protocols[0], plan, participant);

@@ -57,14 +57,14 @@ ParticipantSessionResult ParticipantSession::run() {
             paused.kind = PageKind::kPaused;
             runner_.show(paused);
             return result(ExitCode::kRunFailed,
-                          "interrupted; the trials that had ended are kept: go on with --resume");
+                          "interrupted; finished trials are kept: continue with --resume");
         }
         if (!step) return result(ExitCode::kOk, "");
         do_trial(*step);
         if (lost_in_a_row_ == kLostInARow) {
             return result(
                 ExitCode::kNetwork,
-                fmt::format("{} trials in a row were lost: {}; put it right and go on with --resume",
+                fmt::format("{} trials in a row failed: {}; remove the cause and continue with --resume",
                             kLostInARow, runner_.problem()));
         }
     }
@@ -111,7 +111,7 @@ ParticipantSession::Answer ParticipantSession::ask_questions(const std::optional
     return Answer::kGo;
 }
 
-// Of one that came during a question.
+// Result of an order that came during a question.
 Asked ParticipantSession::after_order(Answer answer) const {
     if (answer == Answer::kStop) return Asked::kStopped;
     if (answer == Answer::kGo) return Asked::kGoOn;
@@ -142,7 +142,7 @@ ParticipantSession::Answer ParticipantSession::before(const std::optional<Step>&
     if (rest_is_due(step) && !rest_ && (asks || options_.rests)) {
         const Duration minimum = options_.rests ? options_.protocol.break_minimum : Duration{0};
         rest_.emplace(runner_.now(), minimum, asks);
-        options_.say(minimum > Duration{0} ? fmt::format("break, at least {:g} s. {}", to_seconds(minimum),
+        options_.say(minimum > Duration{0} ? fmt::format("break of at least {:g} s. {}", to_seconds(minimum),
                                                          options_.protocol.break_text)
                                            : "break. " + options_.protocol.break_text);
     }
@@ -153,7 +153,7 @@ ParticipantSession::Answer ParticipantSession::before(const std::optional<Step>&
         return Answer::kGo;
     }
     if (!step && !last_block_) return Answer::kGo;  // it was complete before
-    return ask(step ? "next: " + name_of(*step) : "that was the last trial", step);
+    return ask(step ? "next: " + name_of(*step) : "last trial done", step);
 }
 
 // Nothing: go on.
@@ -211,11 +211,12 @@ ParticipantSession::Answer ParticipantSession::ask(const std::string& prompt,
     }
 }
 
-// The last word, after the last trial, is the experimenter's.
+// After the last trial only the experimenter goes on.
 std::string ParticipantSession::who_goes_on(const std::optional<Step>& step) const {
     if (!options_.subject_goes_on || !step) return kPromptHelp;
-    return options_.lines == nullptr ? "The participant goes on"
-                                     : fmt::format("{}. The participant, too, may go on", kPromptHelp);
+    return options_.lines == nullptr
+               ? "The participant continues at the screen"
+               : fmt::format("{}. The participant can also continue at the screen", kPromptHelp);
 }
 
 std::optional<std::string> ParticipantSession::take_line() {
@@ -236,10 +237,10 @@ ParticipantSession::Answer ParticipantSession::obey(const std::string& line) {
             mark_last(ExclusionKind::kExcluded, command.reason);
             break;
         case PromptKind::kNoReason:
-            options_.say("say why, e.g.: r sneezed");
+            options_.say("a reason is missing, e.g.: r sneezed");
             break;
         case PromptKind::kUnknown:
-            options_.say(fmt::format("'{}' is no command", line));
+            options_.say(fmt::format("'{}' is not a command", line));
             break;
     }
     return Answer::kAskAgain;
@@ -248,7 +249,7 @@ ParticipantSession::Answer ParticipantSession::obey(const std::string& line) {
 ParticipantSession::Answer ParticipantSession::go_on() {
     if (!rest_ || rest_->over_by_enter(runner_.now())) return Answer::kGo;
     options_.say(
-        fmt::format("the break lasts another {:.0f} s", std::ceil(to_seconds(rest_->left(runner_.now())))));
+        fmt::format("the break continues for {:.0f} s", std::ceil(to_seconds(rest_->left(runner_.now())))));
     return Answer::kAskAgain;
 }
 

@@ -26,9 +26,9 @@ struct PromptCommand {
     std::string reason;
 };
 
-inline constexpr const char* kInputEnded = "nobody answers any more: the input has ended";
+inline constexpr const char* kInputEnded = "no more answers: the input has ended";
 inline constexpr const char* kPromptHelp =
-    "Enter: go on; r WHY: run the last trial again; x WHY: leave the last trial out; q: stop here";
+    "Enter: continue; r REASON: repeat the last trial; x REASON: exclude the last trial; q: quit";
 
 PromptCommand parse_prompt_line(std::string_view line);
 

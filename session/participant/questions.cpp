@@ -9,9 +9,9 @@ namespace {
 
 constexpr Duration kAnswerLook = std::chrono::milliseconds{20};  // for an answer, a line, a stop
 constexpr const char* kHelp =
-    "the participant answers at the screen; s: leave this question out; r WHY, x WHY: as between two trials; "
-    "q: stop here";
-constexpr const char* kConsentHelp = "the participant answers at the screen; q: stop here";
+    "the participant answers at the screen; s: skip this question; r REASON, x REASON: as between trials; q: "
+    "quit";
+constexpr const char* kConsentHelp = "the participant answers at the screen; q: quit";
 
 // The experimenter has typed this; kGoOn: the question goes on.
 Asked obey(const Asker& asker, const std::string& line) {
@@ -27,7 +27,7 @@ Asked obey_in_stop(const Asker& asker, const std::string& line) {
     if (line == "release") {
         asker.runner.release_stop();
     } else if (line.empty() || line == "s") {
-        asker.say("nothing begins before the stop is released");
+        asker.say("release the stop before anything begins");
     } else {
         return obey(asker, line);
     }

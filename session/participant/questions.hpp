@@ -35,7 +35,7 @@ struct Asker {
 // `number` as in PageSet::shown(). `value` gets the answer.
 Asked ask_question(const Asker& asker, const PageSet& pages, std::uint32_t number, double& value);
 
-// Says an emergency stop at once, shows `paused`, and waits until the stop is released. kGoOn: none holds any more.
+// Reports an emergency stop, shows `paused`, and waits for the release. kGoOn: no stop is active.
 Asked await_release(const Asker& asker, Page paused);
 
 // kStopped, kPutOff: no answer is to be kept, and the questionnaire comes again. kGoOn: `answers` gets one per question, none where

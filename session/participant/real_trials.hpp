@@ -49,8 +49,8 @@ class RealTrials final : public TrialRunner {
         plan_.holds_stop = !stopped.empty();
         condition_.emplace(plan_, events_);
         condition_->open();
-        // A stop outlives the programs that knew of it.
-        if (!stopped.empty()) condition_->emergency_stop("stopped before all programs were started anew");
+        // A stop stays active when the programs that knew it have ended.
+        if (!stopped.empty()) condition_->emergency_stop("stopped before all programs had restarted");
     }
 
     std::uint32_t last_number() const override { return condition_ ? condition_->last_number() : 0; }
@@ -73,7 +73,7 @@ class RealTrials final : public TrialRunner {
         if (!condition_) return wall_sleep(limit);
         // A participant who is to go on needs the window that asks.
         if (plan_.starter && condition_->broken() && !events_.stop()) {
-            say("a program has ended: it is started anew");
+            say("a program has ended: restarting it");
             prepare();
         }
         condition_->idle(limit);

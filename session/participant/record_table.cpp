@@ -100,7 +100,7 @@ constexpr std::array kExclusionColumns{
                            e.kind = kind;
                            return;
                        }
-                       field.fail("is neither excluded, rejected nor included");
+                       field.fail("is not excluded, rejected or included");
                    }},
     column<E, &E::reason>("reason")};
 constexpr auto kExclusionNames = names_of(kExclusionColumns);
@@ -145,7 +145,7 @@ const char* to_string(ExclusionKind kind) {
 void add_exclusion(const std::filesystem::path& file, Exclusion e) {
     e.reason = tsv_text(e.reason);
     if (e.reason == kNotAvailable) {
-        throw Error(ExitCode::kUsage, "a trial is left out with a reason only: say why");
+        throw Error(ExitCode::kUsage, "a trial is excluded with a reason only: give one");
     }
     fmt::memory_buffer line;
     write_fields(line, kExclusionColumns, e, '\t');

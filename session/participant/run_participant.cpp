@@ -35,33 +35,32 @@ std::uint32_t participant_of(const SystemSettings& settings, const std::string& 
     if (participant != 0) return participant;
     throw Error(ExitCode::kUsage,
                 said.empty()
-                    ? "who is it? Say --participant P07, or [session] participant = \"P07\""
-                    : fmt::format("--participant {}: use P and a number, e.g. P07, never a name", said));
+                    ? "the participant's number is missing: give --participant P07, or set [session] "
+                      "participant = \"P07\""
+                    : fmt::format("--participant {}: write P and a number, e.g. P07; never a name", said));
 }
 
 void check_person(const SystemSettings& settings, const ParticipantRun& run) {
     if (run.starter && settings.handle.kind == HandleKind::kSimulated) {
-        throw Error(ExitCode::kUsage,
-                    "a person needs a handle to hold, and the one that thimble would start is in a virtual "
-                    "operator's hand. Say [handle] device = \"pointer\" in the session file for a "
-                    "participant session with "
-                    "the mouse; or start the nodes with a master that holds a real handle (on the ports of "
-                    "[network], docs/protocol.md), and say --attach");
-    }
-    if (!run.person.consent && !settings.pages.consent) {
         throw Error(
             ExitCode::kUsage,
-            "a person takes part with informed consent only: once you have it, say --consent; or name a "
-            "page set with a consent page, [instructions] pages = \"en.toml\"");
+            "a virtual operator holds the simulated handle, but this session is for a person: set [handle] "
+            "device to \"pointer\" (mouse), \"keyboard\", \"hid\" (SpaceMouse or gamepad), or a "
+            "force-feedback device: \"force-dimension\", \"falcon\", \"haply\", \"touch\" or \"ros2\" "
+            "(docs/handles.md). If a thimble-master with such a handle runs already, give --attach");
+    }
+    if (!run.person.consent && !settings.pages.consent) {
+        throw Error(ExitCode::kUsage,
+                    "a person takes part only with informed consent: if the person has given it, add "
+                    "--consent; or use pages with a consent page, [instructions] pages = \"en.toml\"");
     }
 }
 
 void check_virtual_subject(const SystemSettings& settings, const ParticipantRun& run) {
     if (!run.starter || settings.handle.kind == HandleKind::kSimulated) return;
-    throw Error(
-        ExitCode::kUsage,
-        "a virtual subject holds the simulated handle only, and [handle] device says otherwise: leave it "
-        "out, or say [session] subject = \"human\"");
+    throw Error(ExitCode::kUsage,
+                "a virtual subject holds only the simulated handle, but [handle] device names another one: "
+                "remove it, or set [session] subject = \"human\"");
 }
 
 // Nodes that run already have the delay of their own file, which is to be this one. A blinded experimenter learns no delay.
@@ -71,26 +70,26 @@ void check_delay(const SystemSettings& settings, const std::vector<OrderEntry>& 
     for (const OrderEntry& entry : order) {
         if (entry.conditions.delay_s == delay_s) continue;
         if (blinded)
-            throw Error(ExitCode::kData, "the order has two delays, but a participant session has one");
+            throw Error(ExitCode::kData,
+                        "the order of trials has two delays, but a participant session has one");
         throw Error(ExitCode::kData,
-                    "the order has two delays, {} s and {} s, but a participant session has one", delay_s,
-                    entry.conditions.delay_s);
+                    "the order of trials has two delays, {} s and {} s, but a participant session has one",
+                    delay_s, entry.conditions.delay_s);
     }
     const double theirs_s = to_seconds(settings.netem.force.delay);
     if (!attach || theirs_s == delay_s) return;
     if (blinded)
-        throw Error(
-            ExitCode::kUsage,
-            "[netem.force] delay_s is not the delay of the order, which a blinded session does not name: "
-            "let somebody who may know it compare the order's delay_s with that of this file and of "
-            "the running thimble-netem");
+        throw Error(ExitCode::kUsage,
+                    "[netem.force] delay_s is not the delay of the order of trials. The session is blinded, "
+                    "so this message does not name it. Ask somebody who may know it to compare the order's "
+                    "delay_s with this file and with that of the running thimble-netem");
     throw Error(ExitCode::kUsage,
-                "experiment {} delays the force by {} s, but [netem.force] delay_s is {}: set it, in this "
-                "file and in that of the running thimble-netem, and start that anew",
+                "experiment {} delays the force by {} s, but [netem.force] delay_s is {}: set it in this "
+                "file and in the file of the running thimble-netem, then restart thimble-netem",
                 order.front().conditions.experiment, delay_s, theirs_s);
 }
 
-// In what the settings would give another order than the written one; empty if in nothing.
+// Describes how the settings' order differs from the written one; empty if it does not.
 std::string what_differs(const SystemSettings& settings, std::uint32_t participant,
                          const std::vector<OrderEntry>& written) {
     try {
@@ -116,13 +115,13 @@ std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& 
     if (!is_table(file) || (!resume && !has_begun(dataset, participant))) {
         if (!resume) return plan_order(settings, participant);
         throw Error(ExitCode::kUsage,
-                    "{} has no order in {}: check the number and the folder, or leave --resume out",
+                    "{} has no order of trials in {}: check the number and the folder, or leave out --resume",
                     participant_id(participant), dataset.folder().string());
     }
     std::vector<OrderEntry> order = read_order(file, participant);
     if (order.empty()) throw Error(ExitCode::kData, "{}: has no trials", file.string());
     if (!resume) {
-        throw Error(ExitCode::kUsage, "{} has begun already: say --resume to go on, or check the number",
+        throw Error(ExitCode::kUsage, "{} has already begun: continue with --resume, or check the number",
                     participant_id(participant));
     }
     written = true;
@@ -187,12 +186,11 @@ ParticipantSessionResult end_without_consent(const Dataset& dataset, std::uint32
     result.kept = begun;
     if (result.declined) return result;
     result.code = ExitCode::kRunFailed;
-    result.problem = begun
-                         ? fmt::format(
-                               "interrupted before the participant consented; no further trial was run, and "
-                               "what was recorded before is kept in {}",
-                               dataset.folder().string())
-                         : "interrupted before the participant consented; nothing is kept";
+    result.problem = begun ? fmt::format(
+                                 "interrupted before the participant consented; no further trial was run, "
+                                 "and earlier data are kept in {}",
+                                 dataset.folder().string())
+                           : "interrupted before the participant consented; no data are kept";
     return result;
 }
 
@@ -250,12 +248,13 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
     if (settings.pages.consent && kind == SubjectKind::kHuman &&
         !has_consented(dataset, *settings.pages.consent, participant))
         write_consent(dataset, *settings.pages.consent, participant, utc_text(read_clock_pair().realtime_ns));
-    if (!line.empty()) trials.say(fmt::format("participants.tsv keeps what it says: {}", line));
+    if (!line.empty())
+        trials.say(fmt::format("participants.tsv already has other values and keeps them: {}", line));
     const std::string other = written ? what_differs(settings, participant, order) : "";
     if (!other.empty()) {
         trials.say(
-            fmt::format("warning: the order in {} is not the one of this session file: {}. The written "
-                        "one is used",
+            fmt::format("warning: the order of trials in {} differs from the order of this session file: {}. "
+                        "The one in the folder is used",
                         dataset.order(participant).string(), other));
     }
     ParticipantSessionResult result = run_to_end(settings, run, dataset, participant, trials, answers);

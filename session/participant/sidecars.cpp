@@ -1,11 +1,10 @@
-#include "session/participant/sidecars.hpp"
-
 #include <array>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "common/json_text.hpp"
+#include "session/participant/dataset.hpp"
 
 namespace thimble {
 namespace {

@@ -36,7 +36,7 @@ inline constexpr std::string_view kNotAvailable = "n/a";
 // Of a column participant_id. Throws Error (data).
 inline std::uint32_t read_participant(const CsvField& field) {
     const auto participant = parse_participant(field.text);
-    if (!participant) field.fail("is no participant, e.g. sub-07");
+    if (!participant) field.fail("is not a participant, e.g. sub-07");
     return *participant;
 }
 

@@ -1,4 +1,5 @@
-// The state of a session for an experimenter's view or a player's panel: newest record, nodes' reports, clocks. It is undelayed and has the fixture. It only reads, so an observer changes no result.
+// The state of a session for an experimenter's view or a player's panel: newest record, nodes' reports, clocks. It is
+// undelayed and has the fixture. It only reads, so an observer changes no result.
 #pragma once
 
 #include <algorithm>
@@ -99,7 +100,7 @@ class MonitorFeed {
 
   private:
     OutboundFlow flow_;
-    // At once when it has happened: the session may be about to end.
+    // Sent at once, because the session may be about to end.
     void say_fault(SessionTime now) {
         const bool faulty = session_->record().reason == EndReason::kDeviceFault;
         if (faulty && (!faulty_ || now >= next_fault_)) {

@@ -14,10 +14,10 @@ std::optional<Refusal> OrderLines::obey(SessionTime /*now*/, const Order& order)
             go_on();
             return std::nullopt;
         case OrderKind::kRepeat:
-            lines_.emplace_back("r asked for at the experimenter's view");
+            lines_.emplace_back("r requested in the experimenter's view");
             return std::nullopt;
         case OrderKind::kExclude:
-            lines_.emplace_back("x asked for at the experimenter's view");
+            lines_.emplace_back("x requested in the experimenter's view");
             return std::nullopt;
         case OrderKind::kQuit:
             if (lines_.empty() || lines_.back() != "q") lines_.emplace_back("q");
@@ -27,7 +27,7 @@ std::optional<Refusal> OrderLines::obey(SessionTime /*now*/, const Order& order)
     }
 }
 
-// Not while a trial runs: it would answer the next question before it is asked.
+// Ignored while a trial runs: it would answer the next question before it is asked.
 void OrderLines::go_on() { go_on_ = session_ == nullptr || !session_->running(); }
 
 std::optional<std::string> OrderLines::take_line() {
@@ -59,7 +59,7 @@ std::optional<Refusal> PlayHandler::obey(SessionTime now, const Order& order) {
         case OrderKind::kStart:
             next_ = order.modality;
             not_before_ = now;
-            context_.paused = false;  // who says Start wants one
+            context_.paused = false;  // Start also ends a pause
             end_running();
             return std::nullopt;
         case OrderKind::kEndTrial:

@@ -12,7 +12,8 @@ namespace thimble {
 
 // An experimenter's orders in a participant session, as the lines of prompt.hpp: an order does what the typed command does, no more.
 //   Start, Resume   an empty line: go on         Repeat   r        Exclude   x        Quit   q
-// Where no experimenter is asked, Pause holds back the next trial. It refuses orders that a participant session has no line for (another delay or network, ending a trial): the plan sets its conditions.
+// Where no experimenter is asked, Pause holds back the next trial. It refuses orders that a participant session has
+// no line for (another delay or network, ending a trial): the plan sets its conditions.
 class OrderLines final : public OrderHandler, public LineSource {
   public:
     // The session that the orders are about; replaced when the nodes are started anew.
@@ -29,7 +30,7 @@ class OrderLines final : public OrderHandler, public LineSource {
 
     const SessionProcess* session_ = nullptr;
     std::deque<std::string> lines_;
-    bool go_on_ = false;  // said again until it shows: one is enough
+    bool go_on_ = false;  // a view repeats its order: one counts
     MonitorContext context_;
 };
 
@@ -50,11 +51,11 @@ class QuitHandler final : public OrderHandler {
 class PlayHandler final : public OrderHandler {
   public:
     static constexpr Duration kBetweenTrials = std::chrono::seconds{2};
-    // Twice what the panel's slider has.
+    // The longest delay that a player may order: twice the slider's range.
     static constexpr double kLongestDelay_s = 1;
 
     explicit PlayHandler(Modality first) : next_(first) {}
-    // The session that obeys; outlives the handler, or is replaced.
+    // The session that carries out the orders; outlives the handler, or is replaced.
     void serve(SessionProcess& session) { session_ = &session; }
 
     std::optional<Refusal> obey(SessionTime now, const Order& order) override;

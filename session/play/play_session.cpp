@@ -55,7 +55,7 @@ class Play {
         ConditionRun condition(plan_, events_);
         condition.open();
         end_ = options_.longest == Duration::max() ? kNever : wall_now() + options_.longest;
-        say("move the pointer in the window; close it, or press Ctrl-C, to end");
+        say("move the mouse in the window; to end, close the window or press Ctrl-C");
         while (!over()) {
             condition.check();
             if (const std::string stopped = condition.stop_text(); !stopped.empty()) {

@@ -2,7 +2,6 @@
 // program that a test puts in its place.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -12,17 +11,13 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/own_program.hpp"
 #include "common/process/child.hpp"
 #include "session/launch/node_starter.hpp"
 
 namespace thimble {
 
 inline constexpr Duration kHelpWithin = std::chrono::seconds{5};
-
-inline bool has_text(const char* variable) {
-    const char* value = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe): nobody sets it
-    return value != nullptr && *value != '\0';
-}
 
 class PlayStarter final : public NodeStarter {
   public:
@@ -40,7 +35,7 @@ class PlayStarter final : public NodeStarter {
         if (order.role == Role::kMaster && pointer_) mine.arguments.emplace_back("--pointer");
         if (order.role != Role::kVisual) return local_.start(mine);
         if (visual_command_.empty()) {
-            for (const char* word : {"--window", "--view", "player", "--scene", scene_.c_str()})
+            for (const char* word : {"--window", "--role", "player", "--view", scene_.c_str()})
                 mine.arguments.emplace_back(word);
         } else {
             mine.program = visual_command_.front();
@@ -80,17 +75,17 @@ inline void check_window(const std::filesystem::path& programs) {
     std::error_code ignored;
     std::filesystem::remove(words, ignored);
     if (help.find("--window") == std::string::npos) {
-        throw Error(ExitCode::kUsage,
-                    "{} was built without a window: install the packages that docs/play.md names, configure "
-                    "and build again, or open the page: thimble play --browser",
-                    (programs / "thimble-visual").string());
+        throw Error(
+            ExitCode::kUsage,
+            "{} was built without a window: run deploy/install-packages build programs, configure and "
+            "build again, or use the page: thimble play --browser",
+            (programs / "thimble-visual").string());
     }
-    if (has_text("DISPLAY") || has_text("WAYLAND_DISPLAY")) return;
+    if (!environment_text("DISPLAY").empty() || !environment_text("WAYLAND_DISPLAY").empty()) return;
     throw Error(
         ExitCode::kUsage,
-        "there is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Start it from a "
-        "desktop, or over `ssh -X`, or give it one: xvfb-run -a thimble ... A browser needs none: thimble "
-        "play --browser");
+        "there is no screen: neither DISPLAY nor WAYLAND_DISPLAY is set. Start the program from a desktop, "
+        "over `ssh -X`, or under xvfb-run -a. A browser needs no screen here: thimble play --browser");
 }
 
 // A folder for logs: gone with this object, unless they are kept.
@@ -101,7 +96,7 @@ class ScratchFolder : boost::noncopyable {
         std::string name = (std::filesystem::temp_directory_path() / "thimble_play_XXXXXX").string();
         if (::mkdtemp(name.data()) == nullptr) {
             throw Error(ExitCode::kRunFailed,
-                        "cannot make a folder for logs at {}: set TMPDIR to one that can be written to",
+                        "cannot make a folder for logs at {}: set TMPDIR to a folder that you can write to",
                         name);
         }
         path_ = name;

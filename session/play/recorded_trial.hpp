@@ -15,10 +15,11 @@ inline std::filesystem::path trajectory_of(const std::filesystem::path& folder,
                                            const TrialConditions& conditions) {
     auto file = find_trajectory(folder / "trajectories", conditions);
     if (!file.empty()) return file;
-    throw Error(ExitCode::kUsage,
-                "{}: the trajectory {} was not kept: thimble study keeps them with --trajectories, thimble "
-                "play with --record",
-                (folder / "trajectories").string(), trajectory_name(conditions));
+    throw Error(
+        ExitCode::kUsage,
+        "{}: the trajectory {} is missing: thimble study keeps trajectories with --trajectories, thimble "
+        "play with --out",
+        (folder / "trajectories").string(), trajectory_name(conditions));
 }
 
 struct RecordedTrial {
@@ -70,8 +71,8 @@ inline RecordedTrial find_recorded_trial(const std::filesystem::path& folder, st
                                          double contact_hold_s) {
     const auto rows = read_trial_table(folder / "trials.csv");
     if (number == 0 || number > rows.size()) {
-        throw Error(ExitCode::kUsage, "{} has {} trials, and --trial says {}",
-                    (folder / "trials.csv").string(), rows.size(), number);
+        throw Error(ExitCode::kUsage, "{} has {} trials, but --trial is {}", (folder / "trials.csv").string(),
+                    rows.size(), number);
     }
     const TrialRow& row = rows[number - 1];
     RecordedTrial trial;

@@ -92,13 +92,13 @@ void ReplayProcess::listen(SessionTime now) {
     }
 }
 
-// The order is repeated while the trial is shown: a known one is harmless, and a sign of life.
+// Repeats the order while the trial is shown: it is harmless and shows that this program is alive.
 void ReplayProcess::steer(SessionTime now) {
     next_steer_ = now + kSteerPeriod;
     control_.send(now, number_, start_order(trial_->record.conditions));
 }
 
-// Also while it stands still: the newest state is said again, or the screen would think slave_sim dead.
+// Also sent while the replay is paused: otherwise the screen would take slave_sim for lost.
 void ReplayProcess::show(SessionTime now) {
     const double time_s = clock_.time_s(now);
     const double felt_s = time_s - trial_->delay_s(time_s);

@@ -1,6 +1,6 @@
-// Shows a recorded trial: plays the session and slave_sim to thimble-visual, and the session to a view. The subject's screen gets
-// the picture at once and the force later by the delay of then; the Monitor is undelayed, as always. Views also hear what their scrub bars are
-// made of (ReplayState). No clock, no socket.
+// Shows a recorded trial: plays the session and slave_sim to thimble-visual, and the session to a view. The subject's
+// screen gets the picture at once and the force later by the delay of then; the Monitor is undelayed, as always.
+// Views also hear what their scrub bars are made of (ReplayState). No clock, no socket.
 #pragma once
 
 #include "common/flow.hpp"

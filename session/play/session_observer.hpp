@@ -1,4 +1,4 @@
-// Sits beside a session (condition_run.hpp): feeds the views that watch it, the experimenter's and the player's, and takes the orders of
+// Feeds the views of a session (condition_run.hpp), the experimenter's and the player's, and takes the orders of
 // both.
 #pragma once
 
@@ -21,7 +21,7 @@ class OrderHandler : boost::noncopyable {
   public:
     virtual ~OrderHandler() = default;
 
-    // Why it cannot be obeyed; none: it is (and would be, unchanged, the second time).
+    // Carries out an order, or returns why not. A repeated order has the same result.
     virtual std::optional<Refusal> obey(SessionTime now, const Order& order) = 0;
 };
 
@@ -63,7 +63,7 @@ class OrderTaker {
                 break;
             case OrderKind::kRepeat:
             case OrderKind::kExclude:
-                // Only the newest trial can be judged, as by what is typed.
+                // Only the newest trial can be rejected or excluded, as on the terminal.
                 if (order.trial != trial) return Refusal::kWrongTrial;
                 if (said_again(now, order.kind == OrderKind::kRepeat ? repeat_ : exclude_, trial))
                     return std::nullopt;

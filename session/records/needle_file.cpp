@@ -6,8 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "common/csv/spreadsheet.hpp"
+#include "common/csv/csv.hpp"
 #include "common/decimal_text.hpp"
+#include "common/text_file.hpp"
 #include "netem/formats/text_lines.hpp"
 
 namespace thimble {
@@ -44,7 +45,7 @@ class Reader {
             }
             if (empty_line > 0)
                 fail_at_line(name_, empty_line,
-                             "an empty line in the middle of the recording: fill the gap or remove the line");
+                             "empty line inside the recording: fill the gap or remove the line");
             if (line.front() != '#') return true;
         }
         return false;
@@ -68,7 +69,7 @@ class Reader {
         if (found == names.end())
             fail(fmt::format("the header has no column {}; it must name {} and {}", name, kTime, kPosition));
         if (std::find(found + 1, names.end(), name) != names.end())
-            fail(fmt::format("the header names {} twice: which one is meant?", name));
+            fail(fmt::format("the header names {} twice: remove one of the two columns", name));
         return static_cast<std::size_t>(found - names.begin());
     }
 

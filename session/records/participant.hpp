@@ -1,5 +1,5 @@
-// Whom a participant session is with. A participant is a number and nothing else: "P07" on the command line, sub-07 in
-// the data. Any other name is refused, so that no person's name gets into the data.
+// The participant of a session: a number and nothing else, "P07" on the command line, sub-07 in the data. Any other
+// name is refused, so that no person's name gets into the data.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "netem/formats/text_lines.hpp"
+#include "common/decimal_text.hpp"
 
 namespace thimble {
 
@@ -27,7 +27,7 @@ inline std::optional<SubjectKind> parse_subject_kind(std::string_view text) {
 inline std::optional<std::uint32_t> parse_participant(std::string_view text) {
     for (const std::string_view prefix : {"P", "sub-"}) {
         if (!text.starts_with(prefix)) continue;
-        const auto number = parse_integer(text.substr(prefix.size()));
+        const auto number = parse_whole<std::int64_t>(text.substr(prefix.size()));
         if (number && *number >= 1 && *number <= 1'000'000) return static_cast<std::uint32_t>(*number);
     }
     return std::nullopt;

@@ -94,7 +94,7 @@ Trajectory read_trajectory(const std::filesystem::path& path) {
     CsvReader reader(path, kSampleNames);
     Trajectory trajectory;
     while (reader.next()) {
-        if (!reader.comments().empty()) reader.field(0).fail("stands after the trial's end");
+        if (!reader.comments().empty()) reader.field(0).fail("comes after the trial's end");
         read_fields(reader, kSampleColumns, trajectory.samples.emplace_back());
     }
     if (reader.comments().empty()) return trajectory;
@@ -179,7 +179,7 @@ std::vector<NetworkEvent> read_events(const std::filesystem::path& path) {
         } else if (reader.field(1).text == kDelayEvent) {
             event.delay_s = number_in(reader.field(2));
         } else {
-            reader.field(1).fail("is no event known here: delay_s, profile");
+            reader.field(1).fail("is not a known event: delay_s, profile");
         }
         events.push_back(std::move(event));
     }

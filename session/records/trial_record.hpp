@@ -86,7 +86,7 @@ struct TrialRecord {
     std::vector<NetworkEvent> network_events{};  // in order; delay_s of the conditions held before
     EndReason reason = EndReason::kNone;
     Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost, kDeviceFault and stops
-    std::string fault{};              // the device's words with kDeviceFault, who and why with stops
+    std::string fault{};              // words of the failed device, the silent node or the stop
 };
 
 }  // namespace thimble

@@ -5,7 +5,8 @@
 namespace thimble {
 
 RenderResult render_trial(const RecordedTrial& /*trial*/, const RenderPlan& /*plan*/) {
-    throw Error(ExitCode::kUsage, "this build has no windows (THIMBLE_GUI is off), and so no pictures");
+    throw Error(ExitCode::kUsage,
+                "this build has no windows (THIMBLE_GUI is off), so it cannot draw pictures");
 }
 
 }  // namespace thimble

@@ -19,7 +19,7 @@ void refuse_to_overwrite(const RenderPlan& plan) {
     std::error_code absent;
     for (const fs::path& file : {frame_file(plan.frames, 0), plan.video.value_or("")}) {
         if (plan.overwrite || file.empty() || !fs::exists(file, absent)) continue;
-        throw Error(ExitCode::kUsage, "{} is there already: name another place, or say --overwrite",
+        throw Error(ExitCode::kUsage, "{} already exists: name another place, or add --overwrite",
                     file.string());
     }
 }
@@ -81,7 +81,7 @@ void make_video(const RenderPlan& plan) {
         run_program("ffmpeg",
                     {"-y", "-loglevel", "error", "-framerate", fmt::format("{:g}", plan.frames_per_s), "-i",
                      "frame_%06d.png", "-pix_fmt", "yuv420p", file.string()},
-                    plan.frames, "install ffmpeg to get a video; the frames are there");
+                    plan.frames, "install ffmpeg to get a video; the frames are kept");
     if (result.exit_code == 0) return;
     throw Error(ExitCode::kRunFailed, "ffmpeg made no {}: {}; the frames are in {}", file.string(),
                 result.output, plan.frames.string());

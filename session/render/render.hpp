@@ -1,4 +1,5 @@
-// A recorded trial as pictures, one file per frame, and as a video where ffmpeg is installed. The window's own painter draws it in a hidden window, so it looks as it did.
+// A recorded trial as pictures, one file per frame, and as a video where ffmpeg is installed. The window's own
+// painter draws it in a hidden window, so it looks as it did.
 #pragma once
 
 #include <atomic>

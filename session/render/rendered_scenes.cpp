@@ -13,9 +13,9 @@ namespace thimble {
 
 namespace {
 
-// Any video is slower, so that a scene is due whenever one is asked for.
+// Faster than any video, so that a scene is always due.
 constexpr double kScenes_Hz = 1000;
-// Time zero is "never" to some; a video begins later.
+// Starts later than time zero, which means "never" in some nodes.
 constexpr SessionTime kBegin = from_nanoseconds(1'000'000'000);
 
 VisualSettings for_videos(VisualSettings settings) {

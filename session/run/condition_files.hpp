@@ -1,4 +1,5 @@
-// The files of a condition's run, written as the data come: trajectories, exchanges of clocks, the session's log of messages. Also the paths of all its files. A failed write ends the trial. The data before it are kept.
+// The files of a condition's run, written as the data come: trajectories, exchanges of clocks, the session's log of
+// messages. Also the paths of all its files. A failed write ends the trial. The data before it are kept.
 #pragma once
 
 #include <array>

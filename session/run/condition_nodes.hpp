@@ -24,7 +24,7 @@ namespace thimble {
 
 class ConditionNodes : boost::noncopyable {
   public:
-    // One turn of the loop that keeps in touch with the nodes. Throws Error to give up.
+    // One turn of the loop that keeps the connection to the nodes. Throws Error to give up.
     using Turn = std::function<void()>;
 
     // Both outlive the nodes.
@@ -53,7 +53,7 @@ class ConditionNodes : boost::noncopyable {
         return true;
     }
 
-    // The index of a node that has ended. Asks every one of them: that is how they learn that we are here.
+    // The index of a node that has ended. Asks each of them, which also keeps their connections alive.
     std::optional<std::size_t> dead() {
         std::optional<std::size_t> dead;
         for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -68,9 +68,25 @@ class ConditionNodes : boost::noncopyable {
     }
 
     std::string exit_message(std::size_t node) const { return nodes_[node]->exit_message(); }
-    // Of a node that is about to end.
-    std::string last_words(std::size_t node) const {
+    ExitCode verdict(std::size_t node) const { return nodes_[node]->verdict(); }
+    // As dead(), but first gives a silent node time to report its reason.
+    std::optional<std::size_t> dead_soon() {
+        const SessionTime end = wall_now() + kLastWords;
+        while (!nodes_.empty() && !dead() && wall_now() < end) wall_sleep(std::chrono::milliseconds{5});
+        return dead();
+    }
+    // The last output of a node that is about to end.
+    std::string last_output(std::size_t node) const {
         return wait_for_end(*nodes_[node], kFarewell) ? exit_message(node) : std::string();
+    }
+    // For a node that is silent and has not ended, as far as is known here.
+    std::string advice_on_silence() const {
+        if (plan_.starter)
+            return "it hangs, its machine is too busy, or its data are lost on the way: see its log in " +
+                   plan_.out.string();
+        return "this run did not start the program (--attach), so look on its machine: has it ended, does it "
+               "hang, "
+               "is the network down ('thimble link-test')? Start it again, then repeat the run";
     }
     void stop(std::size_t node) { nodes_[node]->stop(); }
     const RunningNode& at(std::size_t node) const { return *nodes_[node]; }
@@ -87,7 +103,7 @@ class ConditionNodes : boost::noncopyable {
             const NodeKind& node = kNodes[static_cast<std::size_t>(late() - nodes_.begin())];
             if (wall_now() > deadline) {
                 throw Error(ExitCode::kNetwork,
-                            "'{}' does not answer, where {} is to run, within {} s: see the logs in {}",
+                            "'{}', where {} should run, does not answer within {} s: see the logs in {}",
                             plan_.starter->machine(node.role), node.program,
                             to_seconds(plan_.starter->reach()), plan_.out.string());
             }
@@ -106,13 +122,14 @@ class ConditionNodes : boost::noncopyable {
         lines_passed_on_ = std::max(lines_passed_on_, lines);
     }
 
-    // After the session has told them to end: their reports, and an exit code that matters.
+    // Called after the session has ordered the end: collects reports and exit codes.
     void end(ConditionResult& result) {
         for (const auto& node : nodes_) {
             if (!wait_for_end(*node, kFarewell)) node->stop();
-            const auto code = wait_for_end(*node, kFarewell);
-            if (code == static_cast<int>(ExitCode::kRealtime) && result.code == ExitCode::kOk) {
-                result.code = ExitCode::kRealtime;
+            const auto code = wait_for_end(*node, kPluginLimitAtEnd + kFarewell);
+            const bool late = code == static_cast<int>(ExitCode::kRealtime);
+            if ((late || code == kPluginHung) && result.code == ExitCode::kOk) {
+                result.code = late ? ExitCode::kRealtime : node->verdict();
                 result.problem = node->exit_message();
             }
         }
@@ -125,6 +142,7 @@ class ConditionNodes : boost::noncopyable {
     }
 
   private:
+    static constexpr Duration kLastWords = std::chrono::milliseconds{300};
     static constexpr Duration kFarewell = std::chrono::seconds{1};  // to end when told to, and again
     // A person reads these. The log has the rest.
     static constexpr std::size_t kMostPassedOn = 200, kLongestPassedOn = 1000;  // lines, bytes of a line
@@ -132,7 +150,7 @@ class ConditionNodes : boost::noncopyable {
     // All at once: the log of a machine may be on its way for minutes.
     void end_all() {
         for (const auto& node : nodes_) node->stop();
-        const auto missing = [](const auto& node) { return !node->heard_out(); };
+        const auto missing = [](const auto& node) { return !node->output_complete(); };
         while (std::count_if(nodes_.begin(), nodes_.end(), missing) > 0)  // asks each of them
             wall_sleep(std::chrono::milliseconds{1});
         nodes_.clear();
@@ -146,10 +164,9 @@ class ConditionNodes : boost::noncopyable {
         order.log = files_.log_path(i);
         order.report = files_.report_path(i);
         order.arguments = {"--base-port", std::to_string(plan_.network.base_port)};
-        // On another machine with a folder for logs its log stays there: it may be too long for the way. In lock-step it is one for
-        // each trial, and the way has room for one.
+        // On another machine with a folder for logs its log stays there: it may be too long for the way.
         const bool here = plan_.starter->machine(node.role).empty();
-        const bool comes = here || (plan_.log.folder.empty() && !lock_step_);
+        const bool comes = here || plan_.log.folder.empty();
         if (plan_.log.messages != LoggedMessages::kNone && comes)
             order.messages = files_.messages_path(node.program);
         order.input = input;

@@ -1,4 +1,4 @@
-// One condition of a real-time run: what is planned, whom it tells while it runs, what came out.
+// One condition of a real-time run: its plan, its events, its result.
 #pragma once
 
 #include <filesystem>

@@ -110,7 +110,7 @@ void ConditionRun::wait_for_nodes() {
     }
 }
 
-// A node with another lab key is heard, and refused.
+// The reason for silence, if it is a wrong lab key.
 std::string ConditionRun::why_silent() const {
     const std::string complaint = sockets_.security() == nullptr ? "" : sockets_.security()->complaint();
     return complaint.empty() ? complaint : " (" + complaint + ")";

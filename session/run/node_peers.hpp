@@ -2,10 +2,12 @@
 #pragma once
 
 #include <algorithm>
-#include <deque>
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "common/flow.hpp"
 #include "common/node_process.hpp"
@@ -96,6 +98,7 @@ class NodePeer {
 class NodePeers {
   public:
     NodePeers(std::uint64_t instance, const std::array<Channel*, kNodes.size()>& channels) {
+        peers_.reserve(kNodes.size());
         for (std::size_t i = 0; i < kNodes.size(); ++i)
             peers_.emplace_back(kNodes[i].role, instance, *channels[i]);
     }
@@ -125,6 +128,14 @@ class NodePeers {
         return names;
     }
 
+    // How long a lost node has been silent, as text.
+    std::string silence(SessionTime now, Role role) const {
+        const NodePeer& peer = of(role);
+        if (!peer.known()) return fmt::format("{} has sent no message", to_string(role));
+        return fmt::format("the last message from {} came {:.2f} s before", to_string(role),
+                           to_seconds(now - peer.last_heard()));
+    }
+
     bool all_run(std::uint32_t trial, bool with_master) const {
         return std::all_of(begin(), end(), [&](const NodePeer& peer) {
             if (peer.role() == Role::kMaster && !with_master) return true;
@@ -138,8 +149,9 @@ class NodePeers {
         });
     }
 
-    // The node that prevents a start: a dead one, else the first that has not obeyed, else the first that has given up.
-    const NodePeer& laggard(SessionTime now, std::uint32_t trial, bool with_master) const {
+    // The node that delays a start: a dead one, else the first that has not answered, else the first that has given
+    // up.
+    const NodePeer& slowest_node(SessionTime now, std::uint32_t trial, bool with_master) const {
         const NodePeer& quiet = quietest();
         if (quiet.silent_for(now, kPeerTimeout)) return quiet;
         const auto first = [&](auto stuck) {
@@ -154,7 +166,7 @@ class NodePeers {
     }
 
   private:
-    std::deque<NodePeer> peers_;
+    std::vector<NodePeer> peers_;
 };
 
 }  // namespace thimble

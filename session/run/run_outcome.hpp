@@ -27,7 +27,7 @@ class RunOutcome {
     // `interrupted`: by this program's user. If an observer has ended the trial, the run goes on.
     void judge(const TrialRecord& record, bool interrupted) {
         if (record.reason == EndReason::kInterrupted && interrupted) {
-            fail(ExitCode::kRunFailed, "interrupted; what was recorded is kept");
+            fail(ExitCode::kRunFailed, "interrupted; finished trials are kept");
         } else if (is_stop(record.reason)) {
             halted_ = true;
             fail(ExitCode::kRunFailed,
@@ -36,14 +36,16 @@ class RunOutcome {
         } else if (record.reason == EndReason::kDeviceFault) {
             fail(ExitCode::kRunFailed, fault_text(record));
         } else if (record.reason == EndReason::kPeerLost) {
-            const auto dead = nodes_.dead();
-            fail(ExitCode::kNetwork, dead ? nodes_.exit_message(*dead)
-                                          : fmt::format("lost contact with {}", to_string(record.lost_peer)));
+            const auto dead = nodes_.dead_soon();
+            fail(dead ? nodes_.verdict(*dead) : ExitCode::kNetwork,
+                 dead ? nodes_.exit_message(*dead)
+                      : fmt::format("lost contact with {}: {}; {}", to_string(record.lost_peer), record.fault,
+                                    nodes_.advice_on_silence()));
         }
         add_write_fault(files_.fault());
     }
 
-    // Also where a trial had ended well before: nothing is missing without a word. Empty words change nothing.
+    // Reported also if the trial had ended well before: missing data need a message. Empty words change nothing.
     void add_write_fault(std::string_view words) {
         if (!words.empty() && !failed()) fail(ExitCode::kRunFailed, std::string(words));
     }

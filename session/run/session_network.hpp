@@ -21,7 +21,7 @@ class SessionNetwork {
     Duration both_ways() const { return both_ways_; }  // needle and force path, jitter included
     const NetworkName& name() const { return name_; }  // empty: the settings' own
 
-    // False: it is so already.
+    // False if nothing changes.
     bool change_delay(Duration one_way) {
         if (one_way == force_delay_) return false;
         both_ways_ += one_way - force_delay_;

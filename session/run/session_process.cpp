@@ -10,7 +10,8 @@ namespace thimble {
 namespace {
 
 constexpr Duration kResend = std::chrono::milliseconds{50};
-// A node that says "my peer is silent" is right about the silence. The lost peer is the node that the session has not heard for some heartbeats.
+// A node that says "my peer is silent" is right about the silence. The lost peer is the node that the session has not
+// heard for some heartbeats.
 constexpr Duration kSuspicious = std::chrono::milliseconds{250};
 
 SessionProcess::Channels open_channels(Ports& ports) {
@@ -116,7 +117,7 @@ void SessionProcess::tick(SessionTime now) {
 }
 
 void SessionProcess::excuse_standstill() {
-    if (ticks_.stood_still() == Duration{}) return;  // as a rule
+    if (ticks_.stood_still() == Duration{}) return;  // the usual case
     for (NodePeer& peer : peers_) peer.did_not_listen(ticks_.stood_still());
     record_flow_.did_not_listen(ticks_.stood_still());
 }
@@ -175,7 +176,7 @@ bool SessionProcess::all_stopped(SessionTime now) const {
     const bool cut_off =
         lost || is_stop(reason) || reason == EndReason::kInterrupted || reason == EndReason::kDeviceFault;
     return std::all_of(peers_.begin(), peers_.end(), [&](const NodePeer& peer) {
-        // The dead do not acknowledge, nor do those that have nothing to end.
+        // Lost nodes do not acknowledge, nor do nodes without this trial.
         if (!peer.told() || (lost && peer.role() == record().lost_peer)) return true;
         if (cut_off && peer.silent_for(now, kPeerTimeout)) return true;
         if (peer.trial() != trial_) return false;
@@ -183,7 +184,7 @@ bool SessionProcess::all_stopped(SessionTime now) const {
     });
 }
 
-// The others start before the master, so that its first sample finds everybody ready.
+// The others start before the master, so that its first sample finds all nodes ready.
 void SessionProcess::advance(SessionTime now) {
     switch (stage_) {
         case Stage::kStartingOthers:
@@ -207,7 +208,7 @@ void SessionProcess::advance(SessionTime now) {
     if (end_with_fault(now)) return;
     if (starting() && now - stage_since_ > settings_.peer_wait) {
         const bool with_master = stage_ == Stage::kStartingMaster;
-        end(now, EndReason::kPeerLost, peers_.laggard(now, trial_, with_master).role());
+        end(now, EndReason::kPeerLost, peers_.slowest_node(now, trial_, with_master).role());
     }
 }
 
@@ -222,18 +223,25 @@ bool SessionProcess::end_with_fault(SessionTime now) {
 }
 
 void SessionProcess::watch(SessionTime now) {
-    const bool heard = std::exchange(heard_, false);
-    if (heard && end_with_fault(now)) return;
-    const NodePeer& quiet = peers_.quietest();
-    if (quiet.silent_for(now, kPeerTimeout)) return end(now, EndReason::kPeerLost, quiet.role());
-    if (heard && end_as_told(now, quiet)) return;
+    if ((heard_ || now > nobody_silent_until_) && end_by_node(now)) return;
     if (settings_.ends_by_withdrawal && recorder_.withdrawn()) return end(now, EndReason::kCompleted);
-    // A record with a hole in it is no record of this trial.
+    // The record flow was interrupted, so the record has a gap: the trial ends.
     if (record_flow_.lost_for(now, kPeerTimeout)) return end(now, EndReason::kPeerLost, Role::kSlaveSim);
     if (now - stage_since_ > settings_.trial_timeout) end(now, EndReason::kTimeout);
 }
 
-// By a node that has finished, or that misses a peer.
+// Ends the trial if a node has failed, has finished, or is silent.
+bool SessionProcess::end_by_node(SessionTime now) {
+    const bool heard = std::exchange(heard_, false);
+    if (heard && end_with_fault(now)) return true;
+    const NodePeer& quiet = peers_.quietest();
+    nobody_silent_until_ = quiet.last_heard() + kPeerTimeout;
+    if (!quiet.silent_for(now, kPeerTimeout)) return heard && end_as_told(now, quiet);
+    end(now, EndReason::kPeerLost, quiet.role());
+    return true;
+}
+
+// Ends the trial if a node has finished, or misses a peer.
 bool SessionProcess::end_as_told(SessionTime now, const NodePeer& quiet) {
     for (const NodePeer& peer : peers_) {
         if (peer.misses_peer(trial_)) {
@@ -257,7 +265,8 @@ void SessionProcess::enter(SessionTime now, Stage stage) {
 }
 
 void SessionProcess::end(SessionTime now, EndReason reason, Role lost_peer, std::string_view fault) {
-    recorder_.end(reason, lost_peer, fault);
+    recorder_.end(reason, lost_peer,
+                  reason == EndReason::kPeerLost ? peers_.silence(now, lost_peer) : std::string(fault));
     order_.kind = ControlKind::kTrialEnd;
     order_.reason = reason;
     enter(now, Stage::kEnding);
@@ -282,7 +291,7 @@ void SessionProcess::send_orders(SessionTime now) {
         if (tells) peer.send(now, trial_, network_.order(order_));
         const bool has_page = peer.role() == Role::kVisual && !under_way() && page_.shown() != nullptr;
         if (has_page) peer.send(now, trial_, *page_.shown());
-        // Behind an order, never alone: so a probe wakes no idle node.
+        // A probe follows an order, so that it wakes no idle node.
         peer.send_probe_if_due(now, trial_);
     }
 }

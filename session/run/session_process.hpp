@@ -1,6 +1,6 @@
-// The session's side of a trial: starts it on all five nodes, has every answer of slave_sim recorded, watches that
-// everybody lives, and ends it. It only steers; nothing of the haptic loop passes through it. It has no clock of its own,
-// so any loop can drive it.
+// The session's side of a trial: starts it on all five nodes, records every answer of slave_sim, detects lost nodes,
+// and ends the trial. It only steers; no haptic data passes through it. It has no clock of its own, so any loop can
+// drive it.
 #pragma once
 
 #include <algorithm>
@@ -91,6 +91,7 @@ class SessionProcess final : public Process {
     void take_records(SessionTime now);
     void advance(SessionTime now);
     bool end_with_fault(SessionTime now);
+    bool end_by_node(SessionTime now);
     bool end_as_told(SessionTime now, const NodePeer& quiet);
     void obey_stop(SessionTime now);
     void watch(SessionTime now);
@@ -124,6 +125,7 @@ class SessionProcess final : public Process {
     TickTimes ticks_;
     SessionTime stage_since_{};
     SessionTime next_send_{};
+    SessionTime nobody_silent_until_{};
     bool heard_ = true;  // a node, since the stage began or watch() last looked at what they say
     bool fixture_changed_ = false;
 };

@@ -14,7 +14,7 @@
 
 namespace thimble {
 
-// Stop keys that a run of this program has carried out. One pressed between two runs is the next run's.
+// Count of stop keys that runs of this program have handled. A key pressed between two runs counts for the next run.
 inline std::atomic<unsigned> keys_carried_out{0};
 
 class SessionStop {
@@ -53,7 +53,7 @@ class SessionStop {
         const unsigned pressed = emergency_stops();
         if (pressed == heard_) return;
         heard_ = keys_carried_out = pressed;
-        session_.emergency_stop(wall_now(), "Ctrl-\\ at thimble's terminal");
+        session_.emergency_stop(wall_now(), "Ctrl-\\ in the terminal of thimble");
     }
 
     void keep() {
@@ -68,9 +68,9 @@ class SessionStop {
             fault_.clear();
         } catch (const Error& error) {
             if (fault_.empty())
-                write_stderr(
-                    fmt::format("a stop that is not kept ends with this program: {}\n", error.what()));
-            fault_ = fmt::format("; it ends with this program, since it could not be kept: {}", error.what());
+                write_stderr(fmt::format("warning: this stop is not saved, and ends with this program: {}\n",
+                                         error.what()));
+            fault_ = fmt::format("; it ends with this program, because it cannot be saved: {}", error.what());
         }
     }
 

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <fcntl.h>
@@ -12,14 +11,15 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/own_program.hpp"
 #include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
 namespace {
 
 std::filesystem::path folder_of_stops() {
-    const char* value = std::getenv("THIMBLE_STOP_DIR");  // NOLINT(concurrency-mt-unsafe): nobody sets it
-    return value != nullptr && *value != '\0' ? value : "/tmp";
+    const std::string folder = environment_text("THIMBLE_STOP_DIR");
+    return folder.empty() ? "/tmp" : folder;
 }
 
 std::string time_text() {
@@ -32,7 +32,7 @@ std::string time_text() {
 }
 
 [[noreturn]] void fail_with(std::string_view what, const std::filesystem::path& path, std::string_view why) {
-    throw Error(ExitCode::kRunFailed, "cannot {} {}: {}; a stop is kept there (docs/safety.md)", what,
+    throw Error(ExitCode::kRunFailed, "cannot {} {}: {}; this file keeps a stop (docs/safety.md)", what,
                 path.string(), why);
 }
 
@@ -46,7 +46,7 @@ StopFile::StopFile(std::uint16_t base_port)
     : base_port_(base_port),
       path_(folder_of_stops() / fmt::format("thimble-stop-{}-{}", geteuid(), base_port)) {}
 
-// A path that something else occupies can keep no stop. The program says so at the start, not at the stop.
+// If another file has this path, no stop can be kept. The program reports that at the start, not at the stop.
 std::optional<StopFile::Kept> StopFile::kept() const {
     const int file = open(path_.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
     if (file < 0 && errno == ENOENT) return std::nullopt;
@@ -60,7 +60,8 @@ std::optional<StopFile::Kept> StopFile::kept() const {
     close(file);
     if (error != 0) fail_with("read", path_, error);
     if (!ours)
-        fail_with("keep a stop in", path_, "it is no file of this user: remove it, or set THIMBLE_STOP_DIR");
+        fail_with("keep a stop in", path_,
+                  "it does not belong to this user: remove it, or set THIMBLE_STOP_DIR");
     const std::int64_t written_ns =
         status.st_mtim.tv_sec * std::int64_t{1'000'000'000} + status.st_mtim.tv_nsec;
     return Kept{{text.data(), static_cast<std::size_t>(size)}, written_ns, status.st_ino};
@@ -70,7 +71,8 @@ void StopFile::require_released() const {
     const auto stop = kept();
     if (!stop) return;
     throw Error(ExitCode::kRunFailed,
-                "a stop holds and nothing begins: {}; once it is safe: thimble stop --release --base-port {}",
+                "a stop is active, so no session can begin: {}. When it is safe, release it: thimble stop "
+                "--release --base-port {}",
                 stop->words, base_port_);
 }
 

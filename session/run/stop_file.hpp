@@ -1,6 +1,7 @@
-// A stop that outlives the program that ended with it: a file that thimble leaves on its machine while a stop holds, and for which
-// it begins nothing on the same ports until "thimble stop --release" takes it away. It stands in THIMBLE_STOP_DIR, else in /tmp. A session over ssh and a service see the same folder there, unlike XDG_RUNTIME_DIR. One per user and base port,
-// mode 0600.
+// A stop that outlives its program. thimble leaves a file on its machine while a stop holds. It begins nothing on the
+// same ports until "thimble stop --release" removes this file. The file is in
+// THIMBLE_STOP_DIR, else in /tmp. A session over ssh and a service see the same folder there, unlike XDG_RUNTIME_DIR.
+// One per user and base port, mode 0600.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,8 @@ class StopFile {
     void require_released() const;
     // `words`: who and why. Of several the first is kept. Throws Error (run failed) if it cannot be written.
     void keep(std::string_view words) const;
-    // The kept stop, and marks that tell it from a later one. Throws Error (run failed) if that cannot be read.
+    // The kept stop, and the file's identity, which tells it from a later one. Throws Error (run failed) if the file
+    // cannot be read.
     struct Kept {
         std::string words;
         std::int64_t written_ns = 0;
@@ -28,7 +30,7 @@ class StopFile {
         bool operator==(const Kept&) const = default;
     };
     std::optional<Kept> kept() const;
-    // Takes away what was kept then, and nothing that came later. True if it did. Throws Error (run failed) if it cannot.
+    // Removes that kept stop and no later one. True if it did. Throws Error (run failed) if it cannot.
     bool release(const std::optional<Kept>& then) const;
     const std::filesystem::path& path() const { return path_; }
 

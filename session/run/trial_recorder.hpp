@@ -57,6 +57,8 @@ class TrialRecorder {
         if (feedback.needle_held) return false;
         if (record_.samples.empty()) first_echo_ = feedback.echo_time;
         const TrajectorySample sample = sample_of(feedback, first_echo_);
+        // A copy of a command whose number has flipped bits is answered again. An earlier time is kept: the one before may be wrong.
+        if (!record_.samples.empty() && sample.time_s == record_.samples.back().time_s) return false;
         const bool beeps = beep_is_due(sample);
         watch_withdrawal(sample);
         if (hook_) hook_(sample);

@@ -32,14 +32,14 @@ void check_flow(const LaunchSettings& launch, const NetworkSettings& network, Ro
     const std::string& host = network.host(a);
     if (means_this_machine(host)) {
         throw Error(ExitCode::kUsage,
-                    "[network].host_{} is {}, which every machine takes for itself, but {} runs on {} and "
-                    "{}, which it talks to, on {}: give the address that the others reach it by",
+                    "[network].host_{} is {}, which means this machine on every machine, but {} runs on {} "
+                    "and {}, which it talks to, on {}: set the address by which the others reach it",
                     to_string(a), host, to_string(a), where(machine_a), to_string(b), where(machine_b));
     }
     if (host == network.host(b)) {
         throw Error(ExitCode::kUsage,
                     "[network].host_{} and host_{} are both {}, but {} runs on {} and {} on {}: each machine "
-                    "has an address of its own",
+                    "has its own address",
                     to_string(a), to_string(b), host, to_string(a), where(machine_a), to_string(b),
                     where(machine_b));
     }
@@ -53,17 +53,18 @@ std::string program_key(Role role) { return std::string("program_") + to_string(
 void read_own_program(const ConfigFile& file, const ConfigTable& table, Role role, LaunchSettings& s) {
     const std::string key = program_key(role);
     std::string name;
-    table.read(
-        key, name,
-        "Your program in the place of Thimble's, on this machine; a relative path begins beside this file "
-        "(docs/lock-step.md).");
+    table.read(key, name,
+               "Your own program instead of Thimble's, on this machine; a relative path starts at this "
+               "file's folder (docs/clocks.md).");
     if (name.empty()) return;
     const auto path = std::filesystem::absolute(file.folder() / name);
     if (!std::filesystem::is_regular_file(path) || access(path.c_str(), X_OK) != 0)
-        table.fail(key, "is '{}', where no program is: is the file there, and executable (chmod +x)?",
-                   path.string());
+        table.fail(
+            key,
+            "is '{}', but there is no program of that name: is the file there and executable (chmod +x)?",
+            path.string());
     if (s.anywhere_else())
-        table.fail(key, "is for sessions on one machine: leave the keys machine_... of [launch] out");
+        table.fail(key, "works in sessions on one machine only: remove the keys machine_... from [launch]");
     s.own_programs[static_cast<std::size_t>(role)] = path;
 }
 
@@ -83,8 +84,8 @@ std::string LaunchSettings::own_program_key() const {
 void LaunchSettings::require_no_own_program(std::string_view command) const {
     if (const std::string key = own_program_key(); !key.empty())
         throw Error(ExitCode::kUsage,
-                    "[launch] {} names a program of yours, and {} does not start it: leave that key out; "
-                    "'thimble run --clock lock-step' starts such programs (docs/lock-step.md)",
+                    "[launch] {} names a program of yours, and {} does not start it: remove that key; "
+                    "'thimble run --clock lock-step' starts such programs (docs/clocks.md)",
                     key, command);
 }
 
@@ -95,23 +96,27 @@ LaunchSettings read_launch_settings(const ConfigFile& file) {
     for (std::size_t i = 0; i < s.machines.size(); ++i) {
         if (!is_node(static_cast<Role>(i))) continue;
         const std::string key = std::string("machine_") + to_string(static_cast<Role>(i));
-        table.read(key, s.machines[i], "As exec takes it: \"me@lab2\"; empty: this machine.");
+        table.read(key, s.machines[i],
+                   "Machine of this program, as exec takes it: \"me@lab2\"; empty: this machine.");
         if (!is_plain(s.machines[i]))
             table.fail(key, "must be a name without blanks that begins with no '-'");
         if (!s.machines[i].empty()) others.insert(s.machines[i]);
     }
     table.read("exec", s.exec,
-               "Runs a command on {host}, connected to its three standard streams; or --exec. No quotes.");
-    if (exec_words(s, "x").empty()) table.fail("exec", "is empty; leave it out for ssh");
+               "Command that runs a command on {host}, connected to its three standard streams; --exec "
+               "replaces it. Without quotes.");
+    if (exec_words(s, "x").empty()) table.fail("exec", "is empty; remove the key to use ssh");
     if (others.size() > 1 && s.exec.find(kHost) == std::string::npos)
-        table.fail("exec", "does not say {host}, so it would start every node on the same machine");
+        table.fail("exec", "does not contain {host}, so it would start every program on the same machine");
     table.read("programs", s.programs,
-               "A folder there, of the programs thimble-*; empty: sought in PATH there; or --programs.");
-    table.read("reach_s", s.reach, 1, 600, "For all machines to be reached.");
+               "Folder of the programs thimble-* on the other machines; empty: searched for in PATH there. "
+               "--programs replaces it.");
+    table.read("reach_s", s.reach, 1, 600, "Longest time to reach all machines.");
     table.read("lease_s", s.lease, 2, 3600,
-               "A node ends itself after so long without a sign of the launcher.");
+               "A program ends itself after this time without a message from the launcher.");
     table.read("shares_loopback", s.shares_loopback,
-               "The machines have this one's 127.0.0.1 (containers, other users), so [network] may name it.");
+               "true: the machines share 127.0.0.1 with this one (containers, other users), so [network] may "
+               "name it.");
     for (std::size_t i = 0; i < s.own_programs.size(); ++i) {
         if (is_node(static_cast<Role>(i))) read_own_program(file, table, static_cast<Role>(i), s);
     }
@@ -140,9 +145,8 @@ void check_hosts(const LaunchSettings& launch, const NetworkSettings& network) {
     if (network.security.mode != SecurityMode::kUserKey || !launch.anywhere_else()) return;
     throw Error(
         ExitCode::kUsage,
-        "[launch] names other machines, which do not have the key of [security] mode \"user-key\": make "
-        "one with 'thimble keygen', copy it to each machine and set mode = \"lab-key\" "
-        "(docs/security.md)");
+        "[launch] names other machines, which do not have the key of [security] mode \"user-key\": make one "
+        "with 'thimble keygen', copy it to each machine and set mode = \"lab-key\" (docs/security.md)");
 }
 
 }  // namespace thimble

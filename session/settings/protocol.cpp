@@ -38,7 +38,7 @@ std::vector<Modality> shuffled(const Protocol& protocol, std::uint32_t subject) 
     return order;
 }
 
-// Which modality is which letter of a design; the same for everybody in `group`.
+// Which modality is which letter of a design; the same for all subjects of `group`.
 std::vector<Modality> letters(const Protocol& protocol, std::uint32_t group) {
     std::vector<Modality> list = protocol.modalities;
     RandomStream stream({protocol.seed, protocol.experiment, 0, group, Purpose::kOrder});

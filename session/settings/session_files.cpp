@@ -1,4 +1,3 @@
-#include "session/settings/session_files.hpp"
 
 #include <algorithm>
 #include <system_error>
@@ -9,6 +8,7 @@
 
 #include "common/config.hpp"
 #include "common/error.hpp"
+#include "common/own_program.hpp"
 #include "common/text_file.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/settings/system_settings.hpp"
@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path shipped_folder() { return program_folder().parent_path() / "share" / "thimble" / "sessions"; }
+fs::path shipped_folder() { return shipped_files() / "sessions"; }
 
 fs::path shipped_file(const std::string& name) { return shipped_folder() / (name + ".toml"); }
 
@@ -33,13 +33,12 @@ std::vector<std::string> shipped_names() {
 
 [[noreturn]] void refuse(const std::string& given) {
     const std::vector<std::string> names = shipped_names();
-    const std::string known =
-        names.empty() ? fmt::format(
-                            "{}, where those that come with the program lie, cannot be read: is "
-                            "Thimble installed completely?",
-                            shipped_folder().string())
-                      : fmt::format("those that come with the program are {}", fmt::join(names, ", "));
-    throw Error(ExitCode::kUsage, fmt::format("{}: there is no such session file, and {}", given, known));
+    const std::string known = names.empty() ? fmt::format(
+                                                  "cannot read {}, the folder of the built-in session files: "
+                                                  "is Thimble installed completely?",
+                                                  shipped_folder().string())
+                                            : fmt::format("the built-in ones are {}", fmt::join(names, ", "));
+    throw Error(ExitCode::kUsage, fmt::format("{}: there is no such session file; {}", given, known));
 }
 
 // Of [session] and [protocol] only what the trials are. finish() refuses each key that was not asked for.
@@ -59,12 +58,6 @@ bool says_nothing_but_trials(const ConfigFile& config) {
 }
 
 }  // namespace
-
-fs::path program_folder() {
-    std::error_code error;
-    const auto self = fs::read_symlink("/proc/self/exe", error);
-    return error ? fs::path("/usr/bin") : self.parent_path();
-}
 
 fs::path find_session_file(const std::string& given) {
     std::error_code absent;

@@ -20,11 +20,13 @@ constexpr const char* kModalityHelp =
 void read_subject(const ConfigTable& table, SessionPlan& plan) {
     std::string human, name;
     const bool is_text = table.is_text("subject");
-    table.read("participant", name, "Of subject = \"human\": P and a number, \"P07\"; or --participant.");
+    table.read("participant", name,
+               "With subject = \"human\": P and a number, \"P07\"; --participant replaces it.");
     if (!is_text) {
         table.read("subject", plan.subject, 1, 1'000'000,
-                   "Which virtual subject, in thimble run; or \"human\" (docs/real-subjects.md).");
-        if (table.has("participant")) table.fail("participant", "is of subject = \"human\" only");
+                   "Number of the virtual subject, in thimble run; or \"human\" (docs/real-subjects.md).");
+        if (table.has("participant"))
+            table.fail("participant", "has an effect with subject = \"human\" only");
         return;
     }
     table.read("subject", human, "");
@@ -40,7 +42,8 @@ void read_subject(const ConfigTable& table, SessionPlan& plan) {
 void read_modalities(const ConfigTable& table, SessionPlan& plan) {
     std::vector<std::string> names;
     for (const Modality modality : plan.modalities) names.emplace_back(to_string(modality));
-    table.read("modalities", names, "Of HF, CF, CCF and VF; thimble run keeps their order.");
+    table.read("modalities", names,
+               "Modalities of the trials: HF, CF, CCF and VF; thimble run keeps their order.");
     plan.names_modalities = table.has("modalities");
     plan.modalities.clear();
     std::vector<std::string> unknown = names;
@@ -59,9 +62,8 @@ void read_modalities(const ConfigTable& table, SessionPlan& plan) {
 void read_delays(const ConfigTable& table, SessionPlan& plan) {
     std::vector<double> delays;
     for (const Duration delay : plan.delays) delays.push_back(to_seconds(delay));
-    table.read(
-        "delays_s", delays, 0, kLongestForceDelay_s,
-        "One-way delays of the force path; without this key the delay of [netem.force], if it has one.");
+    table.read("delays_s", delays, 0, kLongestForceDelay_s,
+               "One-way delays of the force path; default: the delay of [netem.force], if it has one.");
     if (delays.empty()) table.fail("delays_s", "is empty; name at least one delay, e.g. [0.05]");
     plan.names_delays = table.has("delays_s");
     plan.delays.clear();
@@ -76,31 +78,31 @@ SessionPlan read_plan(const ConfigTable& table) {
     SessionPlan plan;
     read_modalities(table, plan);
     read_delays(table, plan);
-    table.read("seed", plan.seed, 0, INT64_MAX, "Of all random numbers; --seed of a study replaces it.");
+    table.read("seed", plan.seed, 0, INT64_MAX, "Seed of all random numbers; --seed of a study replaces it.");
     read_subject(table, plan);
     table.read("order", plan.order, kTrialOrderNames,
-               "Of a subject's trials, with [protocol] or in thimble study: as in the paper, or balanced for "
-               "position and carry-over.");
-    table.read("fixture_jitter_m", plan.fixture_jitter_m, 0, 1,
-               "Half width of the uniform draw of the fixture around [fixture] position_m.");
+               "Order of a subject's trials, with [protocol] or in thimble study. shuffled: as in the paper; "
+               "williams: balanced for position and carry-over.");
+    table.read(
+        "fixture_jitter_m", plan.fixture_jitter_m, 0, 1,
+        "Half width of the uniform distribution of the fixture's position around [fixture] position_m.");
     table.read("parallel_conditions", plan.parallel_conditions, 0, 64,
-               "Delays run side by side; 0: one per two cores, with other machines one.");
+               "Number of delays that run at the same time; 0: one per two cores, with other machines one.");
     return plan;
 }
 
 SessionSettings read_session(const ConfigTable& trial) {
     SessionSettings s;
-    trial.read("timeout_s", s.trial_timeout, 1, 3600, "A trial that takes longer is ended.");
+    trial.read("timeout_s", s.trial_timeout, 1, 3600, "Longest duration of a trial.");
     trial.read("peer_wait_s", s.peer_wait, 0.1, 600,
-               "For a node to appear, and to answer a start or an end.");
+               "Longest wait for a program to appear, and to answer the start or end of a trial.");
     return s;
 }
 
-// The virtual operator knows the instruments it works with; a file that describes two different ones is a
-// mistake.
+// Refuses values that the virtual operator and a node must share, if the file gives two.
 void check_agreement(const ConfigFile& file, const SystemSettings& s) {
     const ConfigTable person = file.table("operator");
-    // The one that the file says is refused: that is the line to look at.
+    // Refuses the key that the file has: the user can find that line.
     const auto check = [&](double value, const char* key, double node_value, const char* node,
                            const char* node_key) {
         if (value == node_value) return;
@@ -124,8 +126,8 @@ void check_codec(const ConfigFile& file, const SystemSettings& s) {
     const char* const flow = codec.command != HapticCodec::kNone ? "command" : "force";
     if (codec.used() && control.compensator == Compensator::kPlugin && has_two_ends(control))
         table.fail(flow,
-                   "does not go with a plug-in that has two ends ([control] plugin): each packet carries its "
-                   "own sample's values. Use one end, or leave [codec] out");
+                   "does not work with a plug-in that has two ends ([control] plugin), because each packet "
+                   "must carry its own sample: use a plug-in with one end, or remove [codec]");
     if (codec.used() && control.compensator == Compensator::kWave)
         table.fail(flow,
                    "does not go with [control] compensator = \"wave\": each packet carries the waves of its "
@@ -152,15 +154,16 @@ std::string list_of(const std::vector<Duration>& delays) {
 void check_named_delays(const ConfigFile& file, const SystemSettings& s) {
     const ConfigTable session = file.table("session");
     if (has_traced_delay(s.netem.force))
-        session.fail("delays_s", fmt::format("is {}, but the trace of [netem.force] gives the delays: leave "
-                                             "delays_s out, or the trace",
-                                             list_of(s.plan.delays)));
+        session.fail(
+            "delays_s",
+            fmt::format(
+                "is {}, but the trace of [netem.force] gives the delays: remove delays_s, or the trace",
+                list_of(s.plan.delays)));
     if (!file.table("netem").table("force").has("delay_s")) return;
     if (s.plan.delays == std::vector{s.netem.force.delay}) return;
-    session.fail("delays_s",
-                 fmt::format("is {}, but netem.force.delay_s is {}: both are the delay of the force path, so "
-                             "leave one of them out",
-                             list_of(s.plan.delays), to_seconds(s.netem.force.delay)));
+    session.fail("delays_s", fmt::format("is {}, but netem.force.delay_s is {}: both are the delay of the "
+                                         "force path, so remove one of them",
+                                         list_of(s.plan.delays), to_seconds(s.netem.force.delay)));
 }
 
 // One delay of the force path for all commands, wherever the file says it.
@@ -178,7 +181,7 @@ void settle_delays(const ConfigFile& file, SystemSettings& s) {
     if (!undelayed || s.plan.delays == std::vector{Duration{0}}) return;
     file.table("protocol")
         .fail("experiments",
-              fmt::format("holds 1 or 2, which are without delay, but the force path's delay is {} s: write "
+              fmt::format("holds 1 or 2, which have no delay, but the delay of the force path is {} s: write "
                           "[3] here, or delays_s = [0.0] in [session] (and no delay_s in [netem.force])",
                           list_of(s.plan.delays)));
 }
@@ -240,19 +243,23 @@ SystemSettings with_force_delay(SystemSettings settings, Duration delay) {
     return settings;
 }
 
-void require_simulated_hand(const SystemSettings& settings, std::string_view command) {
+void require_simulated_devices(const SystemSettings& settings, std::string_view command) {
     const auto refuse = [command](const char* person, const char* key) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("{}, and thimble {} runs virtual subjects, who hold the simulated handle: "
-                                "leave {} out (thimble run is for people)",
-                                person, command, key));
+        throw Error(ExitCode::kUsage, fmt::format("{}, but thimble {} runs virtual subjects, who hold the "
+                                                  "simulated handle: remove {}, or use thimble run",
+                                                  person, command, key));
     };
     if (held_by_person(settings.handle.kind)) refuse("[handle] device is for a person's hand", "device");
     if (settings.plan.kind == SubjectKind::kHuman) refuse("[session] subject is \"human\"", "subject");
+    if (settings.slave.device != SlaveDevice::kSimulated)
+        throw Error(ExitCode::kUsage,
+                    "[slave_sim] device = \"ros2\" is a robot, which works in real time only, but thimble {} "
+                    "has a clock of its own: remove device, or use thimble run",
+                    command);
 }
 
 void require_virtual_subjects(const SystemSettings& settings, std::string_view command) {
-    require_simulated_hand(settings, command);
+    require_simulated_devices(settings, command);
     settings.launch.require_no_own_program(fmt::format("thimble {}", command));
 }
 
@@ -264,7 +271,7 @@ SessionSettings session_settings(const SystemSettings& settings) {
             delay = std::max(delay, nearly_longest_delay(change.settings));
         return delay;
     };
-    session.user_limit = user_limit(settings.handle);
+    session.user_limit = std::max(user_limit(settings.handle), user_limit(settings.slave));
     session.sample_period = settings.master.sample_period;
     session.force_delay = settings.netem.force.delay;
     session.compensator = settings.master.control.compensator;

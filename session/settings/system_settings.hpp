@@ -92,11 +92,28 @@ std::string all_parameters(const std::filesystem::path& path, const std::vector<
 SystemSettings with_force_delay(SystemSettings settings, Duration delay);
 
 // Throws Error (usage) if a person takes part: `command` runs virtual subjects with the simulated handle.
-void require_simulated_hand(const SystemSettings& settings, std::string_view command);
+void require_simulated_devices(const SystemSettings& settings, std::string_view command);
 // Likewise, and if [launch] names a program that virtual time does not have.
 void require_virtual_subjects(const SystemSettings& settings, std::string_view command);
 
 // Those of the session, its network_delay filled in from both links.
 SessionSettings session_settings(const SystemSettings& settings);
+
+// Sessions that come with the program (deploy/sessions). Commands that take a session file take one of these by its name, too.
+
+// By experiment, from 1.
+inline constexpr std::array<std::string_view, 3> kPaperSessions{"paper-experiment-1", "paper-experiment-2",
+                                                                "paper-experiment-3"};
+
+// The file at this path, or that of the session of this name. Nodes, other machines and logs get the file, so it has to exist.
+// Throws Error (usage) that lists the names.
+std::filesystem::path find_session_file(const std::string& given);
+
+// The name of a file that came with the program; nothing for any other one.
+std::optional<std::string> shipped_name(const std::filesystem::path& file);
+
+// The file says the trials of one of the paper's experiments, and nothing else but a seed and an order, wherever it lies and
+// whatever its name. Throws Error (usage) if it is no session file.
+bool is_paper_session(const std::filesystem::path& file);
 
 }  // namespace thimble

@@ -59,10 +59,9 @@ std::string energy_warning(const SystemSettings& settings, const std::vector<Dur
     }
     if (needed_J(most_J) <= guard.energy_limit_J) return {};
     return fmt::format(
-        "HF with a delay of {} gives the hand up to {:.2g} J within {:g} s in virtual time, and [guard] "
-        "energy_limit_J is {:g}: the guard {} end such trials as safety stops. If the hand is to feel this, "
-        "write "
-        "energy_limit_J = {:.1f} into [guard] (docs/safety.md says why)",
+        "HF with a delay of {} gives the hand up to {:.2g} J within {:g} s in virtual time, but [guard] "
+        "energy_limit_J is {:g}: the guard {} end such trials as safety stops. If the hand should feel this, "
+        "write energy_limit_J = {:.1f} into [guard] (docs/safety.md explains why)",
         delay_text(to_seconds(worst)), most_J, to_seconds(guard.energy_window), guard.energy_limit_J,
         most_J > guard.energy_limit_J ? "will" : "may", needed_J(most_J));
 }

@@ -107,8 +107,9 @@ class LockStepSession final : public SteppedSession {
         const Security* const security = sockets_.security();
         for (int i = 0; security != nullptr && !security->complete(); ++i) {
             if (i <= kMostInstantsForKeys && loop_.step() && !look_for_lost()) continue;
-            throw Error(failure(), "{}",
-                        lost_ ? lost_->words : "the nodes do not get their keys: " + security->complaint());
+            throw Error(
+                failure(), "{}",
+                lost_ ? lost_->words : "cannot give the programs their keys: " + security->complaint());
         }
         session_.start(conditions);
         loop_.poke(own_bit_);
@@ -154,14 +155,16 @@ class LockStepSession final : public SteppedSession {
         if (lost_) return true;
         for (const auto& node : granted_) {
             if (!node->silence()) continue;
-            lost_ =
-                LostNode{node->role(), nodes_.words(index_of(node->role()), *node->silence(), loop_.now())};
+            lost_ = nodes_.lost(node->role(), *node->silence(), loop_.now());
             return true;
         }
         return false;
     }
 
-    static ExitCode failure() { return stop_requested() ? ExitCode::kRunFailed : ExitCode::kNetwork; }
+    ExitCode failure() const {
+        if (stop_requested()) return ExitCode::kRunFailed;
+        return lost_ ? lost_->code : ExitCode::kNetwork;
+    }
 
     LockStepNodes& nodes_;
     std::unique_ptr<MessageLog> log_;  // of this trial
@@ -230,8 +233,8 @@ void GrantedProcess::tick(SessionTime now) {
     due_at_once_ = next_ <= now ? due_at_once_ + 1 : 0;
     if (due_at_once_ > kMostDueAtOnce)
         throw Error(ExitCode::kNetwork,
-                    "lock-step: {} has answered {} times in a row that it is due at {} s, which is now: an "
-                    "answer names a later time, or never",
+                    "lock-step: {} has asked {} times in a row for its next event at {} s, which is now: it "
+                    "must ask for a later time, or for none",
                     to_string(role_), due_at_once_, to_seconds(now.time_since_epoch()));
 }
 
@@ -253,7 +256,7 @@ void GrantedProcess::take(LockStepKind expected) {
     const auto answer = receive();
     if (!answer) return lose(end_.silence());
     if (answer->kind != expected)
-        throw Error(ExitCode::kNetwork, "lock-step: {} gave an answer of kind {} where kind {} was due",
+        throw Error(ExitCode::kNetwork, "lock-step: {} sent an answer of kind {} instead of {}",
                     to_string(role_), static_cast<int>(answer->kind), static_cast<int>(expected));
     next_ = from_nanoseconds(answer->time_ns);
     quiet_until_ = from_nanoseconds(static_cast<std::int64_t>(answer->instance));
@@ -321,8 +324,8 @@ void LockStepNodes::let_in(GrantDoor& door) {
         nodes_.throw_if_dead();
         if (wall_now() > deadline)
             throw Error(ExitCode::kNetwork,
-                        "a node on another machine has not come to TCP port {} of {} within {} s: does a "
-                        "firewall let that port through (docs/machines.md)? See the logs in {}",
+                        "a program on another machine has not reached TCP port {} of {} within {} s: does a "
+                        "firewall block that port (docs/machines.md)? See the logs in {}",
                         plan_.network.base_port, plan_.network.host(Role::kSession),
                         to_seconds(plan_.starter->reach()), plan_.out.string());
         while (auto stream = door.take()) {
@@ -355,20 +358,22 @@ std::unique_ptr<SteppedSession> LockStepNodes::make_session() {
     return std::make_unique<LockStepSession>(*this);
 }
 
-std::string LockStepNodes::words(std::size_t node, LockStepEnd::Silence silence, SessionTime now) {
-    const double now_s = to_seconds(now.time_since_epoch());
-    if (silence == LockStepEnd::Silence::kInterrupted) return "interrupted; what was recorded is kept";
+LostNode LockStepNodes::lost(Role role, LockStepEnd::Silence silence, SessionTime now) {
+    if (silence == LockStepEnd::Silence::kInterrupted) return {role, "interrupted; finished trials are kept"};
     const std::lock_guard guard(mutex_);
+    const std::size_t node = index_of(role);
     const std::string& program = nodes_.at(node).program();
     if (silence == LockStepEnd::Silence::kGone) {
-        const std::string last = nodes_.last_words(node);
-        return last.empty() ? fmt::format("{} has closed its end of lock-step", program) : last;
+        const std::string last = nodes_.last_output(node);
+        return last.empty() ? LostNode{role, fmt::format("{} has closed its lock-step connection", program)}
+                            : LostNode{role, last, nodes_.verdict(node)};
     }
     nodes_.stop(node);
-    return fmt::format(
-        "{} has not answered within {} s, at {} s of the session's clock: is it in a debugger, or "
-        "stopped? See its log in {}, or give --answer-limit more",
-        program, to_seconds(plan_.answer_limit), now_s, plan_.out.string());
+    return {role,
+            fmt::format("{} has not answered within {} s, at {} s of the session's clock: is it paused, or "
+                        "in a debugger? See its log in {}, or allow more with --answer-limit-s",
+                        program, to_seconds(plan_.answer_limit), to_seconds(now.time_since_epoch()),
+                        plan_.out.string())};
 }
 
 void LockStepNodes::end(ConditionResult& result) {

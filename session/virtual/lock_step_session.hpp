@@ -71,7 +71,8 @@ class GrantedProcess final : public Process {
     std::optional<LockStepEnd::Silence> silence_;
 };
 
-// The thread that makes it, and the programs that it starts, run on one core, another one at each place: a wake-up across cores takes ten times one on the same.
+// The thread that makes it, and the programs that it starts, run on one core, another one at each place: a wake-up
+// across cores takes ten times one on the same.
 class CoreLease : boost::noncopyable {
   public:
     explicit CoreLease(unsigned place);
@@ -99,7 +100,7 @@ class LockStepNodes : boost::noncopyable {
     // Of the session's own log; the trial's number goes behind it.
     std::filesystem::path session_log() const { return files_.messages_path("session"); }
     // How a node was lost.
-    std::string words(std::size_t node, LockStepEnd::Silence silence, SessionTime now);
+    LostNode lost(Role role, LockStepEnd::Silence silence, SessionTime now);
 
   private:
     void let_in(GrantDoor& door);

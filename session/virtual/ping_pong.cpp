@@ -33,8 +33,8 @@ int loopback_socket(sockaddr_in& address) {
     if (descriptor < 0 || bind(descriptor, generic, length) != 0 ||
         getsockname(descriptor, generic, &length) != 0 ||
         setsockopt(descriptor, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) != 0) {
-        throw Error(ExitCode::kNetwork, "cannot measure loopback UDP: {}{}", std::strerror(errno),
-                    descriptor_advice(errno));
+        throw Error(ExitCode::kNetwork, "cannot measure the round trip over loopback UDP: {}{}",
+                    std::strerror(errno), descriptor_advice(errno));
     }
     return descriptor;
 }
@@ -42,8 +42,8 @@ int loopback_socket(sockaddr_in& address) {
 void connect_to(int descriptor, const sockaddr_in& address) {
     const auto* generic = static_cast<const sockaddr*>(static_cast<const void*>(&address));
     if (connect(descriptor, generic, sizeof address) != 0) {
-        throw Error(ExitCode::kNetwork, "cannot measure loopback UDP: {}{}", std::strerror(errno),
-                    descriptor_advice(errno));
+        throw Error(ExitCode::kNetwork, "cannot measure the round trip over loopback UDP: {}{}",
+                    std::strerror(errno), descriptor_advice(errno));
     }
 }
 

@@ -1,4 +1,5 @@
-// The time that this machine takes for one datagram there and back between two bare processes. The round trip through all five is compared with it.
+// The time that this machine takes for one datagram there and back between two bare processes. The round trip through
+// all five is compared with it.
 #pragma once
 
 #include "common/histogram.hpp"

@@ -53,7 +53,7 @@ class Watch {
     }
 
     const ConditionPlan& plan_;
-    std::optional<Sockets> sockets_;  // none: nobody watches
+    std::optional<Sockets> sockets_;  // none: no observer
     SteppedSession* stepped_ = nullptr;
     std::unique_ptr<Observer> observer_;
     Duration ahead_{};
@@ -98,7 +98,7 @@ class SteppedCondition {
         SessionProcess& session = stepped.session();
         if (interrupted()) return session.abort(EndReason::kInterrupted);
         if (emergency_stops() != stop_keys_)
-            session.emergency_stop(stepped.now(), "Ctrl-\\ at thimble's terminal");
+            session.emergency_stop(stepped.now(), "Ctrl-\\ in the terminal of thimble");
         stop_keys_ = emergency_stops();
         stepped.look_outside();
         if (!fault(stepped).empty()) return session.abort(EndReason::kDeviceFault, Role::kSession);
@@ -119,13 +119,13 @@ class SteppedCondition {
         const std::optional<LostNode>& lost = stepped.lost();
         const std::string outcome = outcome_text(record.reason, record.lost_peer);
         if (record.reason == EndReason::kInterrupted && interrupted()) {
-            fail(ExitCode::kRunFailed, "interrupted; what was recorded is kept");
+            fail(ExitCode::kRunFailed, "interrupted; finished trials are kept");
         } else if (const std::string words = fault(stepped); !words.empty()) {
             fail(ExitCode::kRunFailed, words);
         } else if (is_stop(record.reason) || record.reason == EndReason::kDeviceFault) {
             fail(ExitCode::kRunFailed, fmt::format("{}: {}", outcome, record.fault));
         } else if (record.reason == EndReason::kPeerLost) {
-            fail(ExitCode::kNetwork, lost ? lost->words : outcome);
+            fail(lost ? lost->code : ExitCode::kNetwork, lost ? lost->words : outcome);
         }
     }
 

@@ -20,6 +20,7 @@ namespace thimble {
 struct LostNode {
     Role role{};
     std::string words;
+    ExitCode code = ExitCode::kNetwork;
 };
 
 struct DueProgram {

@@ -51,20 +51,22 @@ class VirtualLoop {
     bool step() {
         woken_ &= ~frozen_;
         SessionTime next = woken_ != 0 ? now_ : kNever;
-        for (std::size_t i = 0; i < entries_.size(); ++i) {
-            if ((frozen_ >> i & 1U) == 0) next = std::min(next, entries_[i].next);
+        std::uint32_t due = 0, bit = 1;
+        for (const Entry& entry : entries_) {
+            const SessionTime when = std::max(entry.next, now_);  // what is late is due now
+            if ((frozen_ & bit) == 0 && when <= next) {
+                due = when < next ? bit : due | bit;
+                next = when;
+            }
+            bit <<= 1;
         }
         if (next == kNever) return false;
         instants_at_now_ = next > now_ ? 0 : instants_at_now_ + 1;
         if (instants_at_now_ > kMaxRoundsPerInstant) {
             throw std::logic_error("virtual time stands still: a process is always due");
         }
-        now_ = std::max(now_, next);
-        std::uint32_t due = 0;
-        for (std::size_t i = 0; i < entries_.size(); ++i) {
-            if (entries_[i].next <= now_) due |= std::uint32_t{1} << i;
-        }
-        run_instant(due & ~frozen_);
+        now_ = next;
+        run_instant(due);
         return true;
     }
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "common/process/apart.hpp"
+#include "common/process/isolated.hpp"
 #include "common/random.hpp"
 
 namespace thimble {
@@ -33,7 +33,7 @@ TrialRecord run_plugin_trial(const SystemSettings& settings, const TrialConditio
     TrialRecord record;
     record.conditions = conditions;
     record.conditions.compensator = Compensator::kPlugin;
-    const ApartResult apart = run_apart([&] { return bytes_of_trial(settings, conditions); });
+    const IsolatedResult apart = run_isolated([&] { return bytes_of_trial(settings, conditions); });
     if (!apart.bytes) {
         record.reason = EndReason::kDeviceFault;
         record.lost_peer = Role::kMaster;
@@ -107,7 +107,7 @@ NodeProcess& VirtualSession::node(Role role) {
 void VirtualSession::start(const TrialConditions& conditions) {
     const Security* const security = network_.security(Role::kSession);
     for (int i = 0; security != nullptr && !security->complete(); ++i) {
-        if (i > kMostInstantsForKeys) throw std::logic_error("the nodes do not get their keys");
+        if (i > kMostInstantsForKeys) throw std::logic_error("cannot give the programs their keys");
         loop_.step();
     }
     session_.start(conditions);
@@ -153,7 +153,7 @@ std::string plugin_text(const VirtualSession& session) {
     for (const ControllerEnd* end :
          std::initializer_list<const ControllerEnd*>{session.master().plugin(), session.slave().plugin()}) {
         if (end == nullptr || end->tally().not_numbers == 0) continue;
-        text += fmt::format("{}plug-in {} gave {} values in {} samples that are no numbers",
+        text += fmt::format("{}plug-in {} returned {} values in {} samples that are not numbers",
                             text.empty() ? "" : "; ", end->file(), end->tally().not_numbers,
                             end->tally().samples);
     }

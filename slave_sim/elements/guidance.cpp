@@ -39,9 +39,10 @@ class Guidance final : public Element {
 
 void read_guidance(const ConfigTable& table, const std::string& name, SceneDeclaration& scene) {
     GuidanceParameters p;
-    table.read("stiffness_N_per_m", p.stiffness_N_per_m, 0, 1e12, "Of the spring to the depth, both ways.");
-    table.read("damping_Ns_per_m", p.damping_Ns_per_m, 0, 1e9, "Times the estimated velocity.");
-    table.read("position_m", p.position_m, -1, 1, "The depth that it draws to.");
+    table.read("stiffness_N_per_m", p.stiffness_N_per_m, 0, 1e12,
+               "Stiffness of the spring towards the depth, in both directions.");
+    table.read("damping_Ns_per_m", p.damping_Ns_per_m, 0, 1e9, "Damping, times the estimated velocity.");
+    table.read("position_m", p.position_m, -1, 1, "Depth towards which the fixture pulls.");
     const auto make = [p](const TissueMaker&) { return std::make_unique<Guidance>(p); };
     scene.elements.push_back({name, ElementKind::kFixture, p.position_m, make});
 }

@@ -4,12 +4,12 @@
 namespace thimble {
 
 TissueParameters read_tissue_parameters(const ConfigTable& table, TissueParameters p) {
-    table.read("mass_kg", p.mass_kg, 1e-15, 1e9, "Mass M, at the contact point.");
+    table.read("mass_kg", p.mass_kg, 1e-15, 1e9, "Mass M at the contact point.");
     table.read("stiffness_N_per_m", p.stiffness_N_per_m, 0, 1e9, "Stiffness K.");
     table.read("damping_Ns_per_m", p.damping_Ns_per_m, 0, 1e9, "Damping B.");
-    table.read("drag_Ns_per_m", p.drag_Ns_per_m, 0, 1e9, "Drag V of the needle beneath the surface.");
+    table.read("drag_Ns_per_m", p.drag_Ns_per_m, 0, 1e9, "Drag V of the needle below the surface.");
     table.read("puncture_force_N", p.puncture_force_N, 1e-9, 1e9, "Puncture force F_p.");
-    table.read("rest_position_m", p.rest_position_m, -1, 1, "Where the surface rests.");
+    table.read("rest_position_m", p.rest_position_m, -1, 1, "Position of the surface at rest.");
     return p;
 }
 

@@ -11,7 +11,7 @@ void read_vessel(const ConfigTable& table, const std::string& name, SceneDeclara
     TissueParameters wall{0.01, 200, 5, 0.05, 0.5, 0.06};
     wall = read_tissue_parameters(table, wall);
     double diameter_m = 0.004;
-    table.read("diameter_m", diameter_m, 0, 1, "From wall to wall.");
+    table.read("diameter_m", diameter_m, 0, 1, "Distance from wall to wall.");
     scene.elements.push_back(declare_tissue(name + ".near", wall));
     wall.rest_position_m += diameter_m;
     scene.elements.push_back(declare_tissue(name + ".far", wall));

@@ -33,19 +33,15 @@ FigureSource pareto_figure(const std::vector<Contestant>& contestants) {
     const std::string name = "board_pareto";
     std::string script = gnuplot_preamble(name, 860, 520);
     script += fmt::format(
-        "set xrange [0:{0:.4g}]; set yrange [-0.06:1.12]\n"
-        "set xlabel 'maximum penetration (mm), mean over conditions'\n"
-        "set ylabel 'stiffness felt over the true one, mean over conditions'\n"
-        "set key top right\n"
-        "plot '{1}.tsv' index 0 using 1:2 with points pt 7 ps 1.1 lc rgb '{2}' title 'not dominated', "
-        "\\\n"
-        "     '' index 1 using 1:2 with points pt 6 ps 1.1 lc rgb '{3}' title 'dominated', \\\n"
-        "     '' using 1:2:3 with labels left offset char 0.8,0.35 font ',11' noenhanced notitle\n",
+        "set xrange [0:{0:.4g}]; set yrange [-0.06:1.12]\nset xlabel 'maximum penetration (mm), mean over "
+        "conditions'\nset ylabel 'stiffness felt / true stiffness, mean over conditions'\nset key top "
+        "right\nplot '{1}.tsv' index 0 using 1:2 with points pt 7 ps 1.1 lc rgb '{2}' title 'not dominated', "
+        "\\\n     '' index 1 using 1:2 with points pt 6 ps 1.1 lc rgb '{3}' title 'dominated', \\\n     '' "
+        "using 1:2:3 with labels left offset char 0.8,0.35 font ',11' noenhanced notitle\n",
         1.25 * deepest_mm, name, kBlue, kGrey);
-    return {name, "Depth against stiffness",
-            "Up and to the left is better. In brackets the share of trials that oscillated or did not "
-            "complete; without brackets there was none. Packets per second, the fourth objective, are in the "
-            "table.",
+    return {name, "Penetration and stiffness",
+            "Up and to the left is better. In brackets: share of trials that oscillated or were not "
+            "completed, if there were any. Packets per second, the fourth objective, are in the table.",
             "# penetration (mm), stiffness, name\n" + block(contestants, true) + block(contestants, false),
             script};
 }

@@ -9,7 +9,6 @@
 
 #include "common/error.hpp"
 #include "study/board/board_plan.hpp"
-#include "study/board/session_fragments.hpp"
 
 namespace thimble {
 namespace {
@@ -84,7 +83,9 @@ const BoardEntry& level(const std::vector<BoardEntry>& levels, const toml::table
     const std::string name = row[factor].value_or(levels.front().name);
     for (const BoardEntry& one : levels)
         if (one.name == name) return one;
-    throw Error(ExitCode::kUsage, "conditions.toml: {} = \"{}\": there is no such level", factor, name);
+    throw Error(ExitCode::kUsage,
+                "conditions.toml: {} = \"{}\": unknown level; choose one that the file defines", factor,
+                name);
 }
 
 // Of the ideal network.

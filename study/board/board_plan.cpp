@@ -7,9 +7,8 @@
 #include <fmt/ranges.h>
 
 #include "common/error.hpp"
+#include "common/own_program.hpp"
 #include "common/text_file.hpp"
-#include "session/settings/session_files.hpp"
-#include "study/board/session_fragments.hpp"
 #include "study/compensators/compensator_study.hpp"
 
 namespace thimble {
@@ -62,13 +61,11 @@ std::string row_name(const BoardPlace& place) {
     return fmt::format("{}, {}, {}", place.controller.name, place.codec.name, place.condition.name);
 }
 
-std::filesystem::path board_folder() {
-    return program_folder().parent_path() / "share" / "thimble" / "board";
-}
+std::filesystem::path board_folder() { return shipped_files() / "board"; }
 
 void add_plugin(BoardPlan& plan, const std::filesystem::path& file) {
     if (!std::filesystem::is_regular_file(file))
-        throw Error(ExitCode::kUsage, "--plugin {}: there is no such file", file.string());
+        throw Error(ExitCode::kUsage, "--plugin {}: no such file: check the path", file.string());
     const std::string name = file.stem().string(), place = std::filesystem::absolute(file).string();
     // The name is a field of tables, a word of --only and a part of file names.
     if (name.find_first_not_of(kNameCharacters) != std::string::npos || place.find('\'') != std::string::npos)
@@ -81,8 +78,9 @@ void add_plugin(BoardPlan& plan, const std::filesystem::path& file) {
     add_names(known, plan.codecs);
     add_names(known, plan.conditions);
     if (std::find(known.begin(), known.end(), name) != known.end())
-        throw Error(ExitCode::kUsage, "--plugin {}: the board has {} already: rename the file", file.string(),
-                    name);
+        throw Error(ExitCode::kUsage,
+                    "--plugin {}: the board already has a controller named {}: rename the file",
+                    file.string(), name);
     plan.controllers.push_back({name, "a plug-in",
                                 fmt::format("session.modalities = [\"HF\"]\ncontrol.plugin = '{}'\n", place),
                                 place});
@@ -95,7 +93,8 @@ void keep_only(BoardPlan& plan, const std::vector<std::string>& names) {
     add_names(known, plan.conditions);
     for (const std::string& name : names) {
         if (std::find(known.begin(), known.end(), name) == known.end())
-            throw Error(ExitCode::kUsage, "--only {}: the board has no such entry: choose from {}", name,
+            throw Error(ExitCode::kUsage,
+                        "--only {}: no controller, codec or condition has this name: choose from {}", name,
                         fmt::join(known, ", "));
     }
     keep_named(plan.controllers, names);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -60,5 +61,10 @@ std::string plan_text(const BoardPlan& plan);
 
 // The session file of a row, whose first trial is that of `subject`. `thimble run --clock virtual` runs it again.
 std::string row_session(const BoardPlan& plan, const BoardPlace& place, std::uint32_t subject = 1);
+
+// Pieces of session files, as TOML text, put together.
+
+// Later fragments replace keys of earlier ones; their tables are joined. Throws Error (usage) that names `name` for what is not TOML.
+std::string joined_fragments(std::span<const std::string> fragments, const std::string& name);
 
 }  // namespace thimble

@@ -33,9 +33,10 @@ std::string row_file(const BoardRow& row) {
 ReportTable front_table(std::vector<Contestant> contestants) {
     ReportTable table{
         "Fronts",
-        "Front 1: no other contestant dominates it. A contestant dominates another if it is better in one "
-        "objective and worse in none, beyond the 90 % intervals and by a least difference: 1 "
-        "% of trials, 0.1 mm, 2 % of the stiffness, 20 packets/s.",
+        "Contestant: a controller with a codec. Front 1: no other contestant dominates it. A contestant "
+        "dominates another if it is better in one objective and worse in none. A difference counts if it is "
+        "outside the 90 % intervals and not smaller than 1 % of trials, 0.1 mm, 2 % of the stiffness or 20 "
+        "packets/s.",
         {"contestant", "front", "stable conditions", "unstable trials, %", "maximum penetration, mm",
          "stiffness felt", "drift, mm", "packets/s", "dominated by"}};
     std::stable_sort(contestants.begin(), contestants.end(), [](const Contestant& a, const Contestant& b) {
@@ -61,16 +62,16 @@ std::string reason(const BoardRow& row) {
     std::string text;
     if (count(kOscillating) > 0) text = fmt::format("{} of {} oscillate", count(kOscillating), row.trials);
     if (count(kNotCompleted) > 0)
-        text += fmt::format("{}{} of {} do not complete", text.empty() ? "" : ", ", count(kNotCompleted),
+        text += fmt::format("{}{} of {} are not completed", text.empty() ? "" : ", ", count(kNotCompleted),
                             row.trials);
     return text;
 }
 
 ReportTable failing_table(const std::vector<BoardRow>& rows) {
-    ReportTable table{
-        "Rows that fail, and the trial to look at",
-        "The command runs the first such trial again, in this folder. thimble play --replay seen shows it.",
-        {"controller", "codec", "condition", "reason", "command"}};
+    ReportTable table{"Failed rows, each with a trial to look at",
+                      "Run the command in this folder to repeat the first failed trial. thimble play "
+                      "--replay seen then shows it.",
+                      {"controller", "codec", "condition", "reason", "command"}};
     for (const BoardRow& row : rows) {
         if (row.stable() || !row.possible()) continue;
         const std::string command =
@@ -82,11 +83,10 @@ ReportTable failing_table(const std::vector<BoardRow>& rows) {
 }
 
 ReportTable cost_table(const std::vector<BoardCost>& costs) {
-    ReportTable table{
-        "Cost of a millisecond of the session, microseconds",
-        "Wall-clock time on this machine, of the calmest of three trials. It differs from run to run, "
-        "so it stands in board_cost.csv alone. HF is the session without a controller.",
-        {"controller", "codec", "median", "999 in 1000", "worst"}};
+    ReportTable table{"Computing time for a millisecond of the session, us",
+                      "Wall-clock time on this machine, in the fastest of three trials. It differs from run "
+                      "to run, so only board_cost.csv has it. HF is the session without a controller.",
+                      {"controller", "codec", "median", "999 in 1000", "worst"}};
     table.rows.reserve(costs.size());
     for (const BoardCost& cost : costs)
         table.rows.push_back({cost.controller, cost.codec, shown(cost.median_us, 1), shown(cost.most_us, 1),
@@ -97,8 +97,8 @@ ReportTable cost_table(const std::vector<BoardCost>& costs) {
 ReportTable measure_table(const std::vector<BoardRow>& rows) {
     ReportTable table{
         "All rows",
-        "Means over trials. board.csv has the 90 % intervals: Wilson's for shares, else the "
-        "bootstrap's percentiles.",
+        "Means over trials. board.csv has the 90 % intervals: Wilson intervals for shares, bootstrap "
+        "percentiles for the rest.",
         {"controller", "codec", "condition", "oscillating, %", "not completed, %", "penetration, mm",
          "maximum, mm", "time, s", "stiffness felt", "drift, mm", "energy out, mJ", "packets/s", "kB/s"}};
     table.rows.reserve(rows.size());
@@ -145,10 +145,10 @@ FigureSource stability_figure(const std::vector<BoardRow>& rows, const std::vect
     }
     if (map.cells.empty()) return {};
     FigureSource figure = heat_map_figure(map, papers_task ? "board_networks" : "board_tasks");
-    figure.title = papers_task ? "Who is stable over which network" : "Other hands, tissues and scenes";
+    figure.title = papers_task ? "Stability over each network" : "Other hands, tissues and scenes";
     figure.caption =
-        "Maximum penetration in mm; the darker, the more trials oscillated or did not complete. !: no "
-        "measures.";
+        "In each cell: maximum penetration in mm. The darker a cell, the more trials oscillated or were not "
+        "completed. !: no measures.";
     return figure;
 }
 
@@ -193,7 +193,7 @@ std::string summary_of(const std::vector<Contestant>& contestants) {
         if (one.front == 1) first.push_back(one.name);
         if (one.stable_rows == one.rows) everywhere.push_back(one.name);
     }
-    return fmt::format("Not dominated: {}. Stable in all conditions: {}.", fmt::join(first, ", "),
+    return fmt::format("Not dominated (front 1): {}. Stable in all conditions: {}.", fmt::join(first, ", "),
                        everywhere.empty() ? "none" : fmt::format("{}", fmt::join(everywhere, ", ")));
 }
 
@@ -206,8 +206,8 @@ void write_board_report(const BoardPlan& plan, const std::vector<BoardRow>& rows
     ReportSection section;
     section.title = "Controllers and codecs";
     section.text = fmt::format(
-        "{} controllers, {} codecs and {} conditions, {} trials in each row, by virtual subjects. The "
-        "subjects and fixtures are the same in all rows.",
+        "{} controllers, {} codecs and {} conditions, with {} trials by virtual subjects in each row. "
+        "Subjects and fixtures are the same in all rows.",
         plan.controllers.size(), plan.codecs.size(), plan.conditions.size(), plan.trials);
     section.findings = {summary_of(contestants)};
     section.drawn = draw_figures({pareto_figure(contestants), stability_figure(rows, contestants, true),
@@ -217,7 +217,7 @@ void write_board_report(const BoardPlan& plan, const std::vector<BoardRow>& rows
     write_text_file(out / "board_cost.csv", cost_csv(costs));
     section.tables = {front_table(contestants), failing_table(rows), cost_table(costs), measure_table(rows)};
     ReportInput report;
-    report.title = "Thimble: the board";
+    report.title = "Thimble: controllers and codecs compared";
     report.sections.push_back(std::move(section));
     report.provenance = {{"command", command},
                          {"board", std::to_string(plan.version)},

@@ -1,4 +1,4 @@
-// The board on one page: who is dominated by whom, who is stable where, and each row that fails, with the command that shows why.
+// The board as a page: Pareto fronts, stability, and each row that fails, with the command that reproduces it.
 #pragma once
 
 #include <filesystem>
@@ -17,12 +17,13 @@ struct BoardCost {
     double median_us = 0, most_us = 0;  // most_us: of 999 in 1000
     double worst_us = std::numeric_limits<double>::infinity();
 };
-// Of the built-in controllers.
+// Costs of the built-in controllers.
 std::vector<BoardCost> measure_costs(const BoardPlan& plan);
 std::string cost_csv(const std::vector<BoardCost>& costs);
 
 FigureSource pareto_figure(const std::vector<Contestant>& contestants);
-// Writes board.html, board.json, board_cost.csv, figures/, and into sessions/ the session of each row that fails. Throws Error (run failed).
+// Writes board.html, board.json, board_cost.csv, figures/, and into sessions/ the session of each row that fails.
+// Throws Error (run failed).
 void write_board_report(const BoardPlan& plan, const std::vector<BoardRow>& rows, const std::string& command,
                         const Provenance& made_with, const std::filesystem::path& out);
 

@@ -10,13 +10,17 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "analysis/statistics/descriptive.hpp"
 #include "common/csv/csv.hpp"
 #include "common/error.hpp"
-#include "common/process/apart.hpp"
+#include "common/process/isolated.hpp"
+#include "common/process/progress.hpp"
 #include "common/random.hpp"
-#include "study/board/session_fragments.hpp"
+#include "study/board/board_plan.hpp"
+#include "study/planned_table.hpp"
+#include "study/worker_pool.hpp"
 
 namespace thimble {
 namespace {
@@ -68,8 +72,8 @@ SystemSettings settings_of(const BoardPlan& plan, const BoardPlace& place) {
 
 // A plug-in is loaded and runs in a process of its own, because it may crash, hang or end the program.
 BoardTrial plugin_trial(const BoardPlan& plan, const BoardPlace& place, std::uint32_t subject) {
-    const ApartResult apart =
-        run_apart([&] { return bytes_of(run_board_trial(settings_of(plan, place), plan.seed, subject)); });
+    const IsolatedResult apart =
+        run_isolated([&] { return bytes_of(run_board_trial(settings_of(plan, place), plan.seed, subject)); });
     if (!apart.bytes) throw Error(ExitCode::kRunFailed, "{}", apart.failure);
     std::string_view bytes = *apart.bytes;
     return take_plain<BoardTrial>(bytes);
@@ -89,7 +93,7 @@ void run_trials_of(const BoardPlan& plan, const BoardPlace& place, BoardRow& row
     condense(trials, plan.seed, row);
 }
 
-// Wave variables with a codec. Each entry alone is a session.
+// True for wave variables with a codec: each alone is valid, both together are not.
 bool exclude_each_other(const BoardPlace& place) {
     const auto settings_with = [&](const BoardEntry& entry) {
         const std::array fragments{place.condition.keys, entry.keys};
@@ -145,6 +149,22 @@ BoardRow run_board_row(const BoardPlan& plan, std::size_t number) {
         row.status = reason_of(failure, place);
     }
     return row;
+}
+
+bool run_board(const BoardPlan& plan, const BoardOptions& options) {
+    PlannedTable table(options.out, "board", "board", plan_text(plan), board_header(), options.if_exists);
+    const std::size_t first = table.done();
+    if (first > 0) spdlog::info("{} of {} rows were already done", first, plan.rows());
+    Progress progress;
+    const auto row = [&](std::size_t i) { return board_line(run_board_row(plan, first + i)); };
+    const auto take = [&](const std::string& line) {
+        const std::string name = row_name(place_of(plan, table.done()));
+        table.append(line);
+        progress.count(table.done(), plan.rows(), "rows", name);
+    };
+    return run_in_order<std::string>(plan.rows() - first, options.jobs, options.stop, row, take,
+                                     ResultsGo::kToFirst,
+                                     [&] { return fmt::format("{} {}", first, plan_text(plan)); });
 }
 
 }  // namespace thimble

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -11,12 +12,14 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/report/report.hpp"
+#include "common/csv/csv_file.hpp"
 #include "study/board/board_plan.hpp"
 
 namespace thimble {
 
 inline constexpr double kBoardConfidence = 0.9;
-// So begins the status of a row whose session cannot be.
+// Prefix of the status of a row whose session is not valid.
 inline constexpr std::string_view kNotPossible = "not possible: ";
 
 enum BoardMeasure : std::size_t {
@@ -79,5 +82,16 @@ std::string board_header();
 std::string board_line(const BoardRow& row);
 // Throws Error (data).
 std::vector<BoardRow> read_board_rows(const std::filesystem::path& file);
+
+// The whole board: every row that is not there yet, then the page.
+struct BoardOptions {
+    std::filesystem::path out;
+    IfExists if_exists = IfExists::kRefuse;
+    unsigned jobs = 0;  // threads; 0: one per core
+    const std::atomic<bool>* stop = nullptr;
+};
+
+// Writes board.csv, a row as soon as all before it are done, and board.txt, the plan. False if it was stopped before the last row.
+bool run_board(const BoardPlan& plan, const BoardOptions& options);
 
 }  // namespace thimble

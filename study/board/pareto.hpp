@@ -1,4 +1,4 @@
-// Contestants over all their conditions, ranked by Pareto fronts: no weight says how much depth a packet is worth.
+// Contestants over all conditions, ranked by Pareto fronts: no weights between depth and packets.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ struct Contestant {
 
 // Beyond both 90 % intervals and by more than the objective's least difference.
 bool is_better(const BoardValue& a, const BoardValue& b, Objective objective);
-// In no objective is b better, and in one at least a is.
+// True if b is better in no objective and a in at least one.
 bool dominates(const Contestant& a, const Contestant& b);
 
 // In the order of the rows.

@@ -10,11 +10,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/control/control_settings.hpp"
 #include "common/control/controller_ends.hpp"
-#include "common/control/plugin.hpp"
 #include "common/error.hpp"
 #include "common/json_text.hpp"
-#include "common/process/apart.hpp"
+#include "common/process/isolated.hpp"
 #include "common/random.hpp"
 #include "common/runtime/import_watch.hpp"
 
@@ -22,7 +22,7 @@ namespace thimble {
 namespace {
 
 constexpr int kSamples = 4000, kMotions = 20;
-constexpr double kMostForce_N = 20, kMostEnergy_J = 1e-9;
+constexpr double kMostForce_N = 20, kMostEnergy_J = 1e-9, kMostPosition_m = 10;
 constexpr std::string_view kDeviceDamping = "device_damping_Ns_per_m";
 
 struct Seen {
@@ -62,96 +62,101 @@ ForceFeedback feels(double force_N, double hand_m) {
     return feedback;
 }
 
-// One trial of the handle's end.
+// Outputs of both ends in one sample.
+struct Given {
+    double force_N = 0, position_m = 0, from_handle_root_W = 0, from_slave_root_W = 0;
+    bool operator==(const Given&) const = default;
+};
+
+// One trial of a plug-in: the handle's end and, where it has one, the slave's end. The same hand moves both.
 class Trial {
   public:
     explicit Trial(const PluginSettings& plugin) : end_(settings_of(plugin), {}) {
-        end_.start(std::chrono::milliseconds{50});
+        if (end_.has(THIMBLE_BOTH_ENDS)) slave_.emplace(settings_of(plugin), HandleControlScale{});
+        begin_again();
     }
     void begin_again() {
         end_.start(std::chrono::milliseconds{50});
+        if (slave_) slave_->start();
         packet_ = {};
-        before_m_ = force_N_ = 0;
+        given_ = {};
+        before_m_ = 0;
     }
     HandleEnd& end() { return end_; }
-    // The force of one sample, with a request that arrives just before it.
-    double sample(int number, double hand_m, double asked_N) {
-        const SessionTime now{std::chrono::milliseconds{number}};
-        const double speed_m_per_s = number > 0 ? (hand_m - before_m_) / 1e-3 : 0;
-        before_m_ = hand_m;
-        end_.receive(feedback_of(feels(asked_N, hand_m), {}, 0.05));
-        if (end_.has(THIMBLE_BOTH_ENDS)) end_.receive(packet_);
-        packet_ = end_.sample(now, hand_m, speed_m_per_s, force_N_);
-        return force_N_ = std::clamp(end_.force_N(), -kHandleFullScale_N, kHandleFullScale_N);
+    // A request arrives just before the sample, and as a force at the slave.
+    Given sample(int number, double hand_m, double asked_N) {
+        sample_handle(number, hand_m, asked_N);
+        if (slave_) sample_slave(number, hand_m, asked_N);
+        return given_;
     }
+    std::uint64_t not_numbers() const {
+        return end_.tally().not_numbers + (slave_ ? slave_->tally().not_numbers : 0);
+    }
+
+  private:
     static ControlSettings settings_of(const PluginSettings& plugin) {
         ControlSettings settings;
         settings.compensator = Compensator::kPlugin;
         settings.plugin = plugin;
         return settings;
     }
-
-  private:
-    HandleEnd end_;
-    WaveBurst packet_;
-    double before_m_ = 0, force_N_ = 0;
-};
-
-// The slave's end, moved by the same hand.
-class SlaveTrial {
-  public:
-    explicit SlaveTrial(const PluginSettings& plugin) : end_(Trial::settings_of(plugin), {}) { end_.start(); }
-    double sample(int number, double hand_m, double felt_N) {
+    void sample_handle(int number, double hand_m, double asked_N) {
+        const SessionTime now{std::chrono::milliseconds{number}};
+        const double speed_m_per_s = number > 0 ? (hand_m - before_m_) / 1e-3 : 0;
+        before_m_ = hand_m;
+        end_.receive(feedback_of(feels(asked_N, hand_m), {}, 0.05));
+        if (slave_) end_.receive(packet_);
+        packet_ = end_.sample(now, hand_m, speed_m_per_s, given_.force_N);
+        given_.from_handle_root_W = packet_.wave_root_W[0];
+        given_.force_N = std::clamp(end_.force_N(), -kHandleFullScale_N, kHandleFullScale_N);
+    }
+    void sample_slave(int number, double hand_m, double felt_N) {
         NeedleWave message;
         message.command.position_hand_m = hand_m;
         message.waves.number = static_cast<std::uint32_t>(number);
         message.waves.count = 1;
-        for (std::uint32_t left = end_.receive(message, true); left > 0; --left)
-            position_m_ = end_.step_hand_m({0.02, 3000, felt_N});
-        burst_ = end_.answer(feedback_of(feels(felt_N, position_m_), {}, 0));
-        return position_m_ + burst_.wave_root_W[0];
+        for (std::uint32_t left = slave_->receive(message, true); left > 0; --left)
+            given_.position_m = slave_->step_hand_m({0.02, 3000, felt_N});
+        const ForceFeedback felt = feels(felt_N, given_.position_m);
+        given_.from_slave_root_W = slave_->answer(feedback_of(felt, {}, 0)).wave_root_W[0];
     }
-    ControllerTally tally() const { return end_.tally(); }
 
-  private:
-    SlaveEnd end_;
-    WaveBurst burst_;
-    double position_m_ = 0;
+    HandleEnd end_;
+    std::optional<SlaveEnd> slave_;
+    WaveBurst packet_;
+    Given given_;
+    double before_m_ = 0;
 };
 
-bool two_ends(const PluginSettings& plugin) { return (plugin.table->capabilities & THIMBLE_BOTH_ENDS) != 0; }
-
-std::vector<double> forces_of(Trial& trial, std::uint64_t seed, int samples) {
+std::vector<Given> trial_of(Trial& trial, std::uint64_t seed, int samples) {
     DrawnHand hand(seed);
-    std::vector<double> forces;
-    forces.reserve(static_cast<std::size_t>(samples));
+    std::vector<Given> all;
+    all.reserve(static_cast<std::size_t>(samples));
     for (int i = 0; i < samples; ++i) {
         const double hand_m = hand.next_m();
-        forces.push_back(trial.sample(i, hand_m, hand.asked_N()));
+        all.push_back(trial.sample(i, hand_m, hand.asked_N()));
     }
-    return forces;
+    return all;
 }
 
 Seen look_at_imports(const PluginSettings& plugin) {
     Seen seen;
     Trial trial(plugin);
-    std::optional<SlaveTrial> slave;
-    if (two_ends(plugin)) slave.emplace(plugin);
     DrawnHand hand(1);
-    if (!watch_imports()) seen.say("the plug-in's imports cannot be watched on this system");
+    if (!watch_imports()) seen.say("its calls to the system cannot be watched on this machine");
     for (int i = 0; i < kSamples; ++i) {
         const double hand_m = hand.next_m(), asked_N = hand.asked_N();
         const ImportWatch watch;
         trial.sample(i, hand_m, asked_N);
-        if (slave) slave->sample(i, hand_m, asked_N);
     }
     const ImportCounts counts = ImportWatch::counts();
     if (counts.allocations > 0)
-        seen.say(fmt::format("it asked for or released memory {} times in {} samples", counts.allocations,
-                             kSamples));
+        seen.say(
+            fmt::format("it allocated or freed memory {} times in {} samples", counts.allocations, kSamples));
     if (counts.clocks > 0)
         seen.say(fmt::format("it read a clock {} times in {} samples", counts.clocks, kSamples));
-    if (counts.files > 0) seen.say(fmt::format("it opened, read or wrote a file {} times", counts.files));
+    if (counts.files > 0)
+        seen.say(fmt::format("it used a file or the system's random numbers {} times", counts.files));
     return seen;
 }
 
@@ -161,16 +166,18 @@ Seen look_at_range(const PluginSettings& plugin) {
     DrawnHand hand(2);
     for (int i = 0; i < kSamples; ++i) {
         const double hand_m = hand.next_m();
-        trial.sample(i, hand_m, hand.asked_N());
-        // As it is, before the master cuts it off.
+        const Given given = trial.sample(i, hand_m, hand.asked_N());
+        // The raw force, before the master clips it.
         const double force_N = trial.end().force_N();
         if (std::fabs(force_N) > 100 * kHandleFullScale_N)
-            seen.say(fmt::format("force() gave {:g} N in sample {}, of a handle with {:g} N", force_N, i,
-                                 kHandleFullScale_N));
+            seen.say(fmt::format("force() returned {:g} N in sample {}; the handle has at most {:g} N",
+                                 force_N, i, kHandleFullScale_N));
+        if (std::fabs(given.position_m) > kMostPosition_m)
+            seen.say(fmt::format("step_slave() returned {:g} m in sample {}; the limit is {:g} m",
+                                 given.position_m, i, kMostPosition_m));
     }
-    if (trial.end().tally().not_numbers > 0)
-        seen.say(
-            fmt::format("{} values in {} samples are no numbers", trial.end().tally().not_numbers, kSamples));
+    if (const std::uint64_t count = trial.not_numbers(); count > 0)
+        seen.say(fmt::format("{} values in {} samples are not finite numbers", count, kSamples));
     return seen;
 }
 
@@ -187,10 +194,11 @@ Seen look_at_hostile(const PluginSettings& plugin) {
             trial.sample(40, 0.01, 2);
             trial.end().forget();
             trial.sample(20, 0.01, 2);  // a clock that went back
-            if (trial.end().tally().not_numbers > 0)
-                seen.say(fmt::format(
-                    "with the hand at {:g} m and a force of {:g} N it gives values that are no numbers",
-                    position, force));
+            if (trial.not_numbers() > 0)
+                seen.say(
+                    fmt::format("with the hand at {:g} m and a force of {:g} N it returns values that are "
+                                "not finite numbers",
+                                position, force));
         }
     }
     return seen;
@@ -199,13 +207,14 @@ Seen look_at_hostile(const PluginSettings& plugin) {
 Seen look_at_sameness(const PluginSettings& plugin) {
     Seen seen;
     Trial alone(plugin), one(plugin), other(plugin);
-    const std::vector<double> expected = forces_of(alone, 3, kSamples);
+    const std::vector<Given> expected = trial_of(alone, 3, kSamples);
     DrawnHand hand(3), others(4);
     for (int i = 0; i < kSamples; ++i) {
         const double hand_m = hand.next_m(), asked_N = hand.asked_N();
         other.sample(i, others.next_m(), others.asked_N());
         if (one.sample(i, hand_m, asked_N) == expected[static_cast<std::size_t>(i)]) continue;
-        seen.say(fmt::format("two ends with the same inputs give other forces from sample {} on", i));
+        seen.say(
+            fmt::format("two instances with the same inputs return different values from sample {} on", i));
         break;
     }
     return seen;
@@ -214,13 +223,13 @@ Seen look_at_sameness(const PluginSettings& plugin) {
 Seen look_at_new_trials(const PluginSettings& plugin) {
     Seen seen;
     Trial fresh(plugin), used(plugin);
-    forces_of(used, 5, kSamples);
+    trial_of(used, 5, kSamples);
     used.begin_again();
-    const std::vector<double> expected = forces_of(fresh, 6, kSamples), given = forces_of(used, 6, kSamples);
+    const std::vector<Given> expected = trial_of(fresh, 6, kSamples), given = trial_of(used, 6, kSamples);
     const auto differs = std::mismatch(expected.begin(), expected.end(), given.begin()).first;
     if (differs != expected.end())
         seen.say(
-            fmt::format("after start() sample {} depends on the trial before", differs - expected.begin()));
+            fmt::format("after start(), sample {} depends on the trial before", differs - expected.begin()));
     return seen;
 }
 
@@ -244,12 +253,12 @@ Seen look_at_energy(const PluginSettings& plugin) {
             energy_J += force_N * travel_m + damping_Ns_per_m * travel_m * travel_m / 1e-3;
             least_J = std::min(least_J, energy_J);
             before_m = hand_m;
-            force_N = trial.sample(i, hand_m, hand.asked_N());
+            force_N = trial.sample(i, hand_m, hand.asked_N()).force_N;
         }
         if (least_J < -kMostEnergy_J)
-            seen.say(
-                fmt::format("it gave out {:.3g} J more than it got in a drawn motion (seed {}, {:g} Ns/m)",
-                            -least_J, seed, damping_Ns_per_m));
+            seen.say(fmt::format(
+                "it gave out {:.3g} J more than it received in a random motion (seed {}, {:g} Ns/m)",
+                -least_J, seed, damping_Ns_per_m));
     }
     return seen;
 }
@@ -264,13 +273,13 @@ constexpr Probe kProbes[] = {
     {"asks for no memory, clock or file after create", "4,000 samples were watched", look_at_imports},
     {"stays in range", "4,000 samples", look_at_range},
     {"gives numbers for hostile input", "64 pairs of NaN, infinite, huge and tiny values", look_at_hostile},
-    {"gives the same forces for the same inputs", "three ends side by side", look_at_sameness},
-    {"forgets with start()", "a trial after another", look_at_new_trials},
-    {"is passive, as it says", "20 drawn motions", look_at_energy},
+    {"gives the same values for the same inputs", "three instances side by side", look_at_sameness},
+    {"forgets with start()", "one trial after another", look_at_new_trials},
+    {"is passive, as it says", "20 random motions", look_at_energy},
 };
 
 PluginFinding finding_of(const Probe& probe, const PluginSettings& plugin, Duration limit) {
-    const ApartResult apart = run_apart([&] { return bytes_of(probe.look(plugin)); }, limit);
+    const IsolatedResult apart = run_isolated([&] { return bytes_of(probe.look(plugin)); }, limit);
     if (!apart.bytes) return {probe.rule, false, apart.failure};
     std::string_view bytes = *apart.bytes;
     const Seen seen = take_plain<Seen>(bytes);
@@ -279,9 +288,10 @@ PluginFinding finding_of(const Probe& probe, const PluginSettings& plugin, Durat
 
 // A constructor of the library may crash, so the first time is in a copy as well.
 std::optional<PluginSettings> loaded(const std::filesystem::path& file, Duration limit, PluginCheck& check) {
-    const ApartResult apart = run_apart([&] { return std::string(load_plugin(file).table->name); }, limit);
+    const IsolatedResult apart =
+        run_isolated([&] { return std::string(load_plugin(file).table->name); }, limit);
     check.findings.push_back({"can be loaded", apart.bytes.has_value(),
-                              apart.bytes ? "version and functions are there" : apart.failure});
+                              apart.bytes ? "version and functions are right" : apart.failure});
     if (!apart.bytes) return std::nullopt;
     check.name = *apart.bytes;
     return load_plugin(file);
@@ -296,7 +306,7 @@ bool PluginCheck::good() const {
 std::string PluginCheck::text() const {
     std::string text = fmt::format("{}{}{}\n", file, name.empty() ? "" : ": ", name);
     for (const PluginFinding& f : findings)
-        text += fmt::format("  {:<5}{}: {}\n", f.kept ? "ok" : "BAD", f.rule, f.words);
+        text += fmt::format("  {:<5}{}: {}\n", f.kept ? "ok" : "FAIL", f.rule, f.words);
     return text;
 }
 

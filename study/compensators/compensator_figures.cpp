@@ -140,17 +140,17 @@ const std::vector<CompensatorMeasure>& compensator_measures() {
     static const std::vector<CompensatorMeasure> measures{
         {"penetration", "maximum penetration (mm)", 2, true,
          [](const CompensatorRow& r) { return 1000 * r.penetration_max_m; }},
-        {"completion", "completion time (s), of those completed", 1, false,
+        {"completion", "completion time (s) of completed trials", 1, false,
          [](const CompensatorRow& r) { return r.completion_time_s; }},
         {"oscillating", "trials that oscillate (percent)", 0, false,
          [](const CompensatorRow& r) {
              return r.trials > 0 ? 100.0 * r.oscillating / r.trials : std::nan("");
          }},
-        {"movement", "needle in the hold, peak to peak (mm)", 2, true,
+        {"movement", "needle movement during the hold, peak to peak (mm)", 2, true,
          [](const CompensatorRow& r) { return 1000 * r.oscillation_peak_to_peak_m; }},
-        {"stiffness", "stiffness felt over the true one", 3, false,
+        {"stiffness", "stiffness felt / true stiffness", 3, false,
          [](const CompensatorRow& r) { return r.rendered_stiffness; }},
-        {"drift", "distance of hand and needle (mm of needle)", 2, true,
+        {"drift", "distance between hand and needle (mm at the needle)", 2, true,
          [](const CompensatorRow& r) { return 1000 * r.drift_needle_m; }}};
     return measures;
 }
@@ -163,9 +163,9 @@ std::vector<FigureSource> delay_figures(const std::vector<CompensatorRow>& rows)
         const std::string name = "compensators_" + std::string(measure.name);
         sources.push_back(
             {name, std::string(measure.label),
-             fmt::format("Means over n = {} trials per point. A point that is missing has no such "
-                         "trial.",
-                         trials_each(rows)),
+             fmt::format(
+                 "Means over n = {} trials per point. A point is missing if no trial has this measure.",
+                 trials_each(rows)),
              measure_data(rows, measure), measure_script(rows, measure, name)});
     }
     return sources;
@@ -177,15 +177,16 @@ FigureSource matrix_figure(const std::vector<CompensatorRow>& rows) {
                 matrix_cells(rows),
                 "delay of the force path, one way",
                 fmt::format("trials (n = {}) that did not complete or oscillated", trials_each(rows)),
-                "maximum penetration (mm) and stiffness felt over the true one",
+                "maximum penetration (mm), stiffness felt / true stiffness",
                 kVermillion};
     for (const CompensatorNetwork& network : networks_in(rows))
         map.columns.push_back(boost::replace_all_copy(network.name, " + ", "\n+ "));
     FigureSource figure = heat_map_figure(map, "compensators_matrix");
-    figure.title = "Who is stable where, and at what cost";
+    figure.title = "Stability, and its cost";
     figure.caption = fmt::format(
-        "In each cell the maximum penetration in mm and the stiffness felt over the true one, means over n = "
-        "{} trials (-: none held still); the darker, the more of them were not completed or oscillated.",
+        "In each cell: maximum penetration in mm, and stiffness felt / true stiffness; means over n = {} "
+        "trials (-: no trial was still). The darker a cell, the more trials oscillated or were not "
+        "completed.",
         trials_each(rows));
     return figure;
 }

@@ -38,7 +38,7 @@ std::string ordinal(std::size_t n) {
     return fmt::format("{}{}", n, end);
 }
 
-// By subject, each one's trials averaged first; a subject without a value is not there.
+// Mean per subject over its trials; subjects without a value are left out.
 std::map<std::uint32_t, double> subject_means(const std::vector<CompensatorTrial>& trials,
                                               std::size_t condition, std::string_view network,
                                               const Contest& contest) {
@@ -108,10 +108,10 @@ class Findings {
         }
         if (!everywhere.empty())
             sentences_.push_back(
-                "Stable over every network compared, which is to say that every trial was completed and none "
-                "oscillated: " +
+                "Stable over every network compared, so every trial was completed and none oscillated: " +
                 joined(everywhere) + ".");
-        if (!somewhere.empty()) sentences_.push_back("Not everywhere: " + joined(somewhere) + ".");
+        if (!somewhere.empty())
+            sentences_.push_back("Not stable over every network: " + joined(somewhere) + ".");
     }
 
     // Those that are stable over this network, the least first.
@@ -138,9 +138,9 @@ class Findings {
                                contest.unit);
         };
         if (cf == ranked.begin()) {
-            sentences_.push_back(fmt::format("{}: CF is best in {} ({}), before {} ({}){}.", network.name,
-                                             contest.what, text(**cf), ranked[1]->name, text(*ranked[1]),
-                                             difference(network, contest, ranked[1]->name, "CF")));
+            sentences_.push_back(fmt::format(
+                "{}: CF is best in {} ({}); the next is {} ({}){}.", network.name, contest.what, text(**cf),
+                ranked[1]->name, text(*ranked[1]), difference(network, contest, ranked[1]->name, "CF")));
             return;
         }
         const std::string place = ordinal(static_cast<std::size_t>(cf - ranked.begin()) + 1);
@@ -166,7 +166,7 @@ class Findings {
             return fmt::format(", less by {:.{}f} {} (95 % interval {:.{}f} to {:.{}f}, {} subjects{})",
                                sample_mean(differences), contest.decimals, contest.unit, interval.low,
                                contest.decimals, interval.high, contest.decimals, differences.values.size(),
-                               interval.low <= 0 && interval.high >= 0 ? ": not to be told apart" : "");
+                               interval.low <= 0 && interval.high >= 0 ? ": no difference was found" : "");
         } catch (const Error&) {
             return "";
         }
@@ -185,10 +185,9 @@ class Findings {
             }
             if (feel.empty()) continue;
             sentences_.push_back(fmt::format(
-                "{}: of the fixture's stiffness the hand feels, in percent: {}; nothing in CF, CCF and VF{}.",
+                "{}: stiffness that the hand feels, in percent of the fixture's: {}; 0 in CF, CCF and VF{}.",
                 network.name, joined(feel),
-                apart.empty() ? ""
-                              : "; hand and needle are apart by more than 0.1 mm with " + joined(apart)));
+                apart.empty() ? "" : "; hand and needle differ by more than 0.1 mm with " + joined(apart)));
         }
     }
 

@@ -35,10 +35,12 @@ ReportTable table_of(const std::vector<CompensatorRow>& rows, std::string title,
 
 std::vector<ReportTable> tables_of(const std::vector<CompensatorRow>& rows) {
     std::vector<ReportTable> tables;
-    tables.push_back(table_of(
-        rows, "Completed, oscillating", "Of the trials of each cell.", [](const CompensatorRow& row) {
-            return fmt::format("{}, {} of {}", row.completed, row.oscillating, row.trials);
-        }));
+    tables.push_back(
+        table_of(rows, "Completed, oscillating",
+                 "Number of trials of each cell that were completed, and number that oscillated.",
+                 [](const CompensatorRow& row) {
+                     return fmt::format("{}, {} of {}", row.completed, row.oscillating, row.trials);
+                 }));
     for (const CompensatorMeasure& measure : compensator_measures()) {
         if (measure.name == "oscillating") continue;
         tables.push_back(
@@ -48,9 +50,10 @@ std::vector<ReportTable> tables_of(const std::vector<CompensatorRow>& rows) {
                                             : std::string(kDash);
             }));
     }
-    tables.push_back(table_of(rows, "Share of the force for the hand",
-                              "Of scaled: 0.8 of what the linear loop of the nominal hand bears.",
-                              [](const CompensatorRow& row) { return fmt::format("{:.3f}", row.share); }));
+    tables.push_back(table_of(
+        rows, "Share of the force for the hand",
+        "For scaled: 0.8 of the share at which the linear loop of the nominal hand becomes unstable.",
+        [](const CompensatorRow& row) { return fmt::format("{:.3f}", row.share); }));
     return tables;
 }
 
@@ -60,8 +63,9 @@ ReportSection comparison_section(const std::vector<CompensatorRow>& rows,
     ReportSection section;
     section.title = "Experiment 3 with compensators";
     section.text = fmt::format(
-        "Insertion, stop at the fixture and five seconds of contact by the virtual operator: {} subjects, {} "
-        "trials each per condition and network, the same people and fixtures in all. Compensators act in HF.",
+        "The virtual operator inserts the needle, stops at the fixture and keeps contact for five seconds: "
+        "{} subjects with {} trials each per condition and network. Subjects and fixtures are the same in "
+        "all conditions. Compensators act in HF.",
         options.subjects, options.trials);
     section.findings = findings;
     std::vector<FigureSource> sources{matrix_figure(rows)};

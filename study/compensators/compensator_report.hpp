@@ -15,8 +15,9 @@ namespace thimble {
 // The default of `thimble compensators`: six delays, and 50 ms with jitter, without and with loss.
 std::vector<CompensatorNetwork> standard_networks();
 
-// `made_with`: more of the provenance. Writes compensators.csv, compensators.json, report.html, summary.json and figures/ below `out`. `trials` are all of the plan. Throws Error
-// (run failed) if a file cannot be written; without gnuplot the report says that the figures are missing.
+// `made_with`: more of the provenance. Writes compensators.csv, compensators.json, report.html, summary.json and
+// figures/ below `out`. `trials` are all of the plan. Throws Error (run failed) if a file cannot be written; without
+// gnuplot the report says that the figures are missing.
 void write_compensator_report(const SystemSettings& settings, const CompensatorStudyOptions& options,
                               const std::vector<CompensatorTrial>& trials, const std::string& command,
                               const Provenance& made_with, const std::filesystem::path& out);

@@ -9,12 +9,13 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
-#include "common/process/apart.hpp"
+#include "common/process/isolated.hpp"
 #include "session/records/metrics.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "study/compensators/hand_record.hpp"
 #include "study/loop_limits.hpp"
+#include "study/planned_table.hpp"
 #include "study/study.hpp"
 #include "study/with_compensator.hpp"
 #include "study/worker_pool.hpp"
@@ -45,9 +46,9 @@ CompensatorOutcome outcome_of(const SystemSettings& settings, const TrialConditi
     return outcome;
 }
 
-// A plug-in that fails costs this trial, which then did not complete.
+// If a plug-in fails, its trial counts as not completed.
 CompensatorOutcome plugin_outcome(const SystemSettings& settings, const TrialConditions& conditions) {
-    const ApartResult apart = run_apart([&] {
+    const IsolatedResult apart = run_isolated([&] {
         std::string words;
         const CompensatorOutcome outcome = outcome_of(settings, conditions, words);
         return bytes_of(outcome) + words;
@@ -143,8 +144,8 @@ std::vector<CompensatorCondition> chosen_conditions(const SystemSettings& settin
     for (const std::string& name : names) {
         if (std::find(known.begin(), known.end(), name) == known.end())
             throw Error(ExitCode::kUsage,
-                        fmt::format("'{}' is neither a modality nor a compensator: choose from {}", name,
-                                    fmt::join(known, ", ")));
+                        fmt::format("'{}' is neither a modality nor a delay compensator: choose from {}",
+                                    name, fmt::join(known, ", ")));
     }
     std::erase_if(all, [&](const CompensatorCondition& condition) {
         return std::find(names.begin(), names.end(), condition.name) == names.end();
@@ -171,6 +172,16 @@ SystemSettings over_network(SystemSettings settings, const CompensatorNetwork& n
     if (network.loss > 0)
         settings.netem.force.loss = settings.netem.needle.loss = LossSettings::independent(network.loss);
     return settings;
+}
+
+std::string compensator_plan(const SystemSettings& settings, const CompensatorStudyOptions& options) {
+    std::string text = fmt::format(
+        "seed {}\nsubjects {}\ntrials {}\nconditions {}\n", options.seed, options.subjects, options.trials,
+        options.names.empty() ? "all" : fmt::format("{}", fmt::join(options.names, " ")));
+    for (const CompensatorNetwork& network : options.networks)
+        text += fmt::format("network {}: {} s, jitter {} s, loss {}\n", network.name, network.delay_s,
+                            network.jitter_spread_s, network.loss);
+    return text + session_text(settings);
 }
 
 std::vector<CompensatorTrial> plan_compensator_trials(const SystemSettings& settings,
@@ -215,12 +226,14 @@ bool run_compensator_trials(const SystemSettings& settings, const CompensatorStu
         return static_cast<const CompensatorOutcome&>(trial);  // what comes back from a rank
     };
     std::size_t done = 0;
-    return run_in_order<CompensatorOutcome>(trials.size(), options.jobs, options.stop, outcome,
-                                            [&](const CompensatorOutcome& result) {
-                                                CompensatorTrial& trial = trials[done++];
-                                                static_cast<CompensatorOutcome&>(trial) = result;
-                                                take(trial);
-                                            });
+    const auto take_outcome = [&](const CompensatorOutcome& result) {
+        CompensatorTrial& trial = trials[done++];
+        static_cast<CompensatorOutcome&>(trial) = result;
+        take(trial);
+    };
+    return run_in_order<CompensatorOutcome>(trials.size(), options.jobs, options.stop, outcome, take_outcome,
+                                            ResultsGo::kToAll,
+                                            [&] { return compensator_plan(settings, options); });
 }
 
 std::vector<CompensatorRow> condense(const SystemSettings& settings, const CompensatorStudyOptions& options,

@@ -113,6 +113,9 @@ std::vector<CompensatorCondition> chosen_conditions(const SystemSettings& settin
 
 std::vector<std::string> names_of(const std::vector<CompensatorCondition>& conditions);
 
+// The settings that decide the trials: another one gives another table. A session file's own network and [control] among it.
+std::string compensator_plan(const SystemSettings& settings, const CompensatorStudyOptions& options);
+
 // Conditions in the order of compensator_conditions(), networks inside, subjects and trials inside those. Nothing has come out yet.
 std::vector<CompensatorTrial> plan_compensator_trials(const SystemSettings& settings,
                                                       const CompensatorStudyOptions& options);

@@ -59,20 +59,21 @@ void read_outcome(const CsvReader& line, CompensatorTrial& trial) {
 }
 
 // How many lines are there; what a program that was killed left of its last one is cut off once the others are read.
-std::size_t recover(const std::filesystem::path& path, IfExists if_exists,
-                    const std::vector<std::string>& names, std::vector<CompensatorTrial>& plan) {
+std::size_t recover(const std::filesystem::path& path, const std::vector<std::string>& names,
+                    std::vector<CompensatorTrial>& plan) {
     std::error_code none;
-    if (if_exists != IfExists::kContinue || !std::filesystem::exists(path, none)) return 0;
+    if (!std::filesystem::exists(path, none)) return 0;
     const std::vector<std::string_view> columns = compensator_columns();
     CsvReader reader(path, columns, ',', 0, LastLine::kMayBeTorn);
     std::size_t done = 0;
     for (; reader.next(); ++done) {
         if (done >= plan.size() ||
             identity_of(reader) != identity_of(plan[done], names[plan[done].condition]))
-            throw Error(ExitCode::kUsage,
-                        fmt::format("{}:{}: this trial is not the one this comparison would have run there: "
-                                    "choose another folder, or say --overwrite",
-                                    path.string(), done + 2));
+            throw Error(
+                ExitCode::kUsage,
+                fmt::format("{}:{}: this trial belongs to a comparison with other settings: repeat these "
+                            "settings, replace it with --overwrite, or name another folder with --out",
+                            path.string(), done + 2));
         read_outcome(reader, plan[done]);
     }
     keep_lines(path, done);
@@ -81,10 +82,10 @@ std::size_t recover(const std::filesystem::path& path, IfExists if_exists,
 
 }  // namespace
 
-CompensatorTrialTable::CompensatorTrialTable(const std::filesystem::path& path, IfExists if_exists,
+CompensatorTrialTable::CompensatorTrialTable(const std::filesystem::path& path,
                                              const std::vector<CompensatorCondition>& conditions,
                                              std::vector<CompensatorTrial>& plan)
-    : names_(names_of(conditions)), done_(recover(path, if_exists, names_, plan)), file_(path, if_exists) {
+    : names_(names_of(conditions)), done_(recover(path, names_, plan)), file_(path, IfExists::kContinue) {
     if (!file_.is_new()) return;
     file_.write(fmt::format("{}\n", fmt::join(compensator_columns(), ",")));
     file_.sync();

@@ -15,9 +15,9 @@ namespace thimble {
 
 class CompensatorTrialTable {
   public:
-    // With kContinue the first trials of the plan get what the table says of them. Throws Error: usage, if the file exists and may
-    // not be replaced, or is of another plan; data, if it is damaged.
-    CompensatorTrialTable(const std::filesystem::path& path, IfExists if_exists,
+    // The first trials of the plan get what the table says of them, if it is there. Throws Error: usage, if it is of another plan;
+    // data, if it is damaged.
+    CompensatorTrialTable(const std::filesystem::path& path,
                           const std::vector<CompensatorCondition>& conditions,
                           std::vector<CompensatorTrial>& plan);
     std::size_t done() const { return done_; }   // trials of the plan that were there

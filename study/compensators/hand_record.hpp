@@ -1,5 +1,5 @@
-// The hand in a trial of virtual time, which no record holds, and what it felt: the stiffness that the handle rendered, and how far
-// needle and hand were apart.
+// Measures of the hand in a virtual trial, which no record has: rendered stiffness, and distance between needle and
+// hand.
 #pragma once
 
 #include <vector>

@@ -45,7 +45,7 @@ std::vector<std::vector<MapCell>> map_columns(const MapPlan& plan, unsigned jobs
 }
 
 FigureSource loop_map_figure(const MapPlan& plan, const std::vector<std::vector<MapCell>>& columns) {
-    CellMap map{"delay of the whole way round (ms)",
+    CellMap map{"round-trip delay (ms)",
                 "contact stiffness at the handle (N/m)",
                 {},
                 plan.stiffness_N_per_m,
@@ -63,17 +63,17 @@ FigureSource loop_map_figure(const MapPlan& plan, const std::vector<std::vector<
     FigureSource figure = cell_map_figure(map, "compensators_map");
     figure.title = "Delay against stiffness";
     figure.caption =
-        "A firm grip (D) at the fixture: what became of 12 s of holding, and the boundary of the sampled "
-        "loop by theory. The paper's fixture is the dashed line.";
+        "A firm grip (D) keeps contact with the fixture for 12 s: outcome in each cell, and the stability "
+        "boundary of the sampled loop by theory. Dashed line: the paper's fixture.";
     return figure;
 }
 
 ReportTable critical_delay_table() {
     ReportTable table{
         "Critical delay at the paper's fixture, 9000 N/m at the handle",
-        "Theory: closed form. Measured: the running loop at 10 kHz, by halving, half a step added. No hand "
-        "bears the paper's 50 ms.",
-        {"hand (kg, Ns/m, N/m)", "theory (ms)", "measured (ms)", "difference (us)", "50 ms is too long by"}};
+        "Theory: closed form. Measured: the simulated loop at 10 kHz, by bisection, plus half a sampling "
+        "period. No hand is stable at the paper's 50 ms.",
+        {"hand (kg, Ns/m, N/m)", "theory (ms)", "measured (ms)", "difference (us)", "50 ms is longer by"}};
     for (const TypicalHand& typical : kTypicalHands) {
         const HeldMass& h = typical.hand;
         const double theory_s = critical_delay_s(h, kPaperLoop_N_per_m),
@@ -130,18 +130,18 @@ FigureSource perceptual_figure(const SystemSettings& settings) {
                                                                                                   : 'S');
     }
     FigureSource figure = cell_map_figure(map, "compensators_perceptual");
-    figure.title = "A person's own loop";
+    figure.title = "The loop of a person who corrects";
     figure.caption =
-        "The virtual operator's arm, corrected without pauses by what the skin says; the device and 50 ms of "
-        "network come on top of the reaction.";
+        "The arm of the virtual operator, which corrects without pauses by what the skin feels. The lag is "
+        "the reaction time plus the lag of the device and 50 ms of network delay.";
     return figure;
 }
 
 ReportTable perceptual_table() {
     ReportTable table{
-        "The gain at which corrections by skin or eyes would oscillate",
-        "Lag: delay, device and reaction together. Without pauses x_d' = -L x(t - lag), in 1/s; a person who "
-        "presses against the paper's fixture corrects by L / 9000 m/s per N.",
+        "Critical gain of corrections by skin or eyes",
+        "Lag: delay, device and reaction time together. Corrections without pauses: x_d' = -L x(t - lag), "
+        "with the gain L in 1/s. A person who presses on the paper's fixture corrects by L / 9000 m/s per N.",
         {"hand", "lag (ms)", "theory (1/s)", "measured (1/s)", "difference (%)"}};
     for (const TypicalHand& typical : kTypicalHands) {
         for (const double lag_s : {0.195, 0.245, 0.395}) {
@@ -160,14 +160,14 @@ ReportTable operator_table(const SystemSettings& settings) {
     const BehaviourParameters& behaviour = settings.person.behaviour;
     const LoopLimits limits = loop_limits(settings);
     ReportTable table;
-    table.title = "The virtual operator's own lags";
+    table.title = "Lags and critical gains of the virtual operator";
     const double period_s = behaviour.refractory_s + behaviour.relax_s;
     table.note = fmt::format(
-        "Without pauses: the same arm moved by x_d' = -L x(t - lag), the operator's feed-forward of speed "
-        "included, so that it bears a little more than one mass on a spring. With pauses: a move of {:.0f} "
-        "ms every {:.0f} ms (refractory period and move), and the part of the error that a move may correct. "
-        "The built-in operator moves so, and only ever forward or to rest: nobody retreats from too deep a "
-        "stop. Its own loop has no gain to oscillate with.",
+        "Without pauses: the same arm, moved by x_d' = -L x(t - lag). The operator's feed-forward of speed "
+        "makes its critical gain a little higher than that of one mass on a spring. With pauses: a move of "
+        "{:.0f} ms every {:.0f} ms (refractory period and move); the table shows the part of the error that "
+        "a move may correct. The built-in operator moves with pauses, and only forward or to rest. It never "
+        "moves back from a stop that is too deep, so its own loop cannot oscillate.",
         1000 * behaviour.relax_s, 1000 * period_s);
     table.columns = {"modality",
                      "delay (ms)",
@@ -234,8 +234,8 @@ ReportSection handle_loop_section(const std::filesystem::path& out, unsigned job
     ReportSection section;
     section.title = "The handle's loop: theory and measurement";
     section.text = fmt::format(
-        "A force rendered late drives the hand. Of {} cells of the map farther than 2 % from the boundary, "
-        "{} grow or fade on the wrong side of it.",
+        "A delayed force drives the hand. {} cells of the map are farther than 2 % from the boundary. In {} "
+        "of them the movement grows or decays against the theory.",
         cells, wrong);
     section.drawn = draw_figures({loop_map_figure(plan, columns)}, out);
     section.tables = {critical_delay_table()};
@@ -246,9 +246,9 @@ ReportSection perceptual_loop_section(const SystemSettings& settings, const std:
     ReportSection section;
     section.title = "The person's loop: fingertips and eyes";
     section.text =
-        "CF, CCF and VF leave the handle alone, at any delay. What is left is a person who corrects by what "
-        "was felt or seen a lag ago: beyond a gain, which falls with delay and reaction time, that loop "
-        "would oscillate too.";
+        "In CF, CCF and VF no force acts on the handle, at any delay. One loop remains: the person corrects "
+        "by what was felt or seen one lag ago. Above a critical gain, which falls with delay and reaction "
+        "time, this loop oscillates, too.";
     section.drawn = draw_figures({perceptual_figure(settings)}, out);
     section.tables = {operator_table(settings), perceptual_table()};
     return section;

@@ -12,7 +12,8 @@ namespace thimble {
 namespace {
 
 constexpr std::size_t kFeatures = kFeatureNames.size();
-// Weight of "no slope", in pairs. In logarithms most relations are straight: products of traits need many pairs to be believed.
+// Prior weight of slope zero, in pairs. In logarithms most relations are straight, so products of traits need many
+// pairs.
 constexpr double kLinearPrior = 0.1, kSquarePrior = 1000, kScalePrior = 20;
 // Mean of log(z^2), z standard normal.
 constexpr double kMeanLogSquare = -1.2703628454614782;
@@ -34,7 +35,8 @@ std::vector<TrialFeatures> regress(const std::vector<std::vector<double>>& rows,
     }
     for (std::size_t i = 0; i < terms; ++i) squares[i * terms + i] += prior[i];
     information = Cholesky::of(std::move(squares), terms);
-    if (!information) throw Error(ExitCode::kRunFailed, "the simulated trials are all alike; simulate more");
+    if (!information)
+        throw Error(ExitCode::kRunFailed, "all simulated trials are alike: raise --simulations");
     std::vector<double> column(terms);
     for (std::size_t k = 0; k < kFeatures; ++k) {
         for (std::size_t i = 0; i < terms; ++i) column[i] = products[i][k];
@@ -71,11 +73,10 @@ void FeatureMean::add(const TrialFeatures& features) {
 Emulator::Emulator(std::span<const SimulatedPair> pairs, std::vector<std::size_t> acting)
     : acting_(std::move(acting)) {
     if (pairs.size() < kFewestPairs)
-        throw Error(
-            ExitCode::kRunFailed,
-            "of the people that were simulated {} came to the beep twice in one of the conditions, and "
-            "a fit needs {}: raise --simulations, or fit trials with less delay",
-            pairs.size(), kFewestPairs);
+        throw Error(ExitCode::kRunFailed,
+                    "only {} of the simulated people reached the beep twice in each condition, but a fit "
+                    "needs {}: raise --simulations, or fit trials with less delay",
+                    pairs.size(), kFewestPairs);
     fit_means(pairs);
     fit_scales(pairs);
     fit_covariances(pairs);
@@ -161,7 +162,7 @@ Cholesky Emulator::covariance(std::size_t trials) const {
     for (std::size_t i = 0; i < matrix.size(); i += kFeatures + 1)
         matrix[i] += std::max(of_pairs_[i] - 0.5 * within_[i], 0.0) + kLeastOwn;
     auto factor = Cholesky::of(std::move(matrix), kFeatures);
-    if (!factor) throw Error(ExitCode::kRunFailed, "the simulated trials are all alike; simulate more");
+    if (!factor) throw Error(ExitCode::kRunFailed, "all simulated trials are alike: raise --simulations");
     return *std::move(factor);
 }
 

@@ -3,14 +3,34 @@
 // (synthetic likelihood: S. N. Wood, "Statistical inference for noisy nonlinear ecological dynamic systems", Nature 466, 2010).
 #pragma once
 
+#include <array>
+#include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "analysis/statistics/cholesky.hpp"
+#include "session/records/trial_record.hpp"
 #include "study/fit/traits.hpp"
-#include "study/fit/trial_features.hpp"
 
 namespace thimble {
+
+// The features of one trial that a fit compares: seven natural logarithms of times (s), depths (m) and speeds (m/s)
+// of the needle. No number depends on the place of the fixture.
+inline constexpr std::array<std::string_view, 7> kFeatureNames{
+    "speed",       // of the insertion, before the contact with the fixture
+    "slowing",     // from the touch of the tissue until the needle slows down
+    "depth",       // of the penetration of the fixture, mean from one second after the contact to the beep
+    "stopping",    // from the contact to nine tenths of that depth
+    "wander",      // rms about that mean
+    "tremble",     // rms of the movement within 50 ms
+    "withdrawal",  // from the beep until the needle moves out
+};
+using TrialFeatures = std::array<double, kFeatureNames.size()>;
+
+// None if the trial lacks a puncture, a contact, a beep or the samples around them. `samples` in order of time.
+std::optional<TrialFeatures> trial_features(std::span<const TrajectorySample> samples,
+                                            double fixture_position_m, double beep_time_s);
 
 // Two simulated trials of a person who has no other. They tell how trials of one person differ, and with that how far the regression
 // is from the mean of many trials.

@@ -12,8 +12,9 @@
 #include "common/json_text.hpp"
 #include "common/process/progress.hpp"
 #include "common/text_file.hpp"
-#include "study/fit/recorded_trials.hpp"
+#include "study/fit/operator_model.hpp"
 #include "study/fit/simulation_file.hpp"
+#include "study/planned_table.hpp"
 #include "study/worker_pool.hpp"
 
 namespace thimble {
@@ -21,7 +22,7 @@ namespace {
 
 constexpr std::size_t kFitDraws = 2000;
 
-// All that decides what is simulated.
+// Text of all settings that decide the simulated trials.
 std::string fit_plan(const SystemSettings& settings, const FitOptions& options,
                      const RecordedTrials& recorded) {
     std::string text = fmt::format("seed {}\nsimulations {}\nsubject {}\n", options.seed, options.simulations,
@@ -30,17 +31,16 @@ std::string fit_plan(const SystemSettings& settings, const FitOptions& options,
         text += fmt::format("trial {} {} {} {} {}\n", trial.conditions.experiment, trial.conditions.trial,
                             to_string(trial.conditions.modality), trial.conditions.delay_s,
                             trial.conditions.fixture_position_m);
-    std::ifstream file(settings.file, std::ios::binary);
-    return text + "session file:\n" + std::string(std::istreambuf_iterator<char>(file), {});
+    return text + session_text(settings);
 }
 
-// Both change what a person does without a trait for it, so that prior and emulator would be those of other people.
+// No trait stands for these keys, so prior and emulator would describe other people.
 void require_fitted_traits(const SystemSettings& settings) {
     const auto require_off = [&settings](const char* key, double value) {
         if (value <= 0) return;
         throw Error(ExitCode::kUsage,
-                    "{}: [operator] {} is {:g}, and a fit has no trait for it: leave the key out of the "
-                    "session file, or name another one with --session",
+                    "{}: [operator] {} is {:g}, but thimble fit cannot estimate it: leave the key out of the "
+                    "session file, or name another session with --session",
                     settings.file.empty() ? "the settings" : settings.file.string(), key, value);
     };
     require_off("press_N", settings.person.behaviour.press_N);
@@ -94,17 +94,16 @@ class Fitter {
         const auto take = [&](const Pair& simulated) {
             file.append(simulated);
             training_.push_back(simulated);
-            progress.show(fmt::format("{}/{} trials simulated", 2 * training_.size(), 2 * pairs),
-                          training_.size() % (pairs / 4 + 1) == 0);
+            progress.count(2 * training_.size(), 2 * pairs, "trials", "simulated people");
         };
         result_.complete =
             run_in_order<Pair>(pairs - std::min(done, pairs), options_.jobs, options_.stop, pair, take,
-                               ResultsGo::kToAll, fmt::format("{} {}", done, plan));
+                               ResultsGo::kToAll, [&] { return fmt::format("{} {}", done, plan); });
         if (result_.complete) file.close();
         return result_.complete;
     }
 
-    // The last trial of each condition, by the others.
+    // Predicts the last trial of each condition from the others.
     void check_held_out(const OperatorModel& model) {
         std::vector<ObservedTrial> kept, held_out;
         for (const ObservedTrial& trial : recorded_.trials) {
@@ -187,7 +186,8 @@ std::vector<SettingChange> read_fit(const std::filesystem::path& fit) {
             if (value.is_object() && value.contains("median") && value["median"].is_number())
                 changes.push_back({key, value["median"].get<double>()});
     if (changes.empty())
-        throw Error(ExitCode::kData, "{}: holds no parameters of a fit; name the folder of a thimble fit",
+        throw Error(ExitCode::kData,
+                    "{}: holds no results of a fit: name a folder that thimble fit has written",
                     path.string());
     return changes;
 }

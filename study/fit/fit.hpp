@@ -8,11 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "analysis/text/html.hpp"
 #include "common/csv/csv_file.hpp"
 #include "session/records/trial_table.hpp"
 #include "session/settings/system_settings.hpp"
-#include "study/fit/fit_summary.hpp"
 #include "study/fit/operator_model.hpp"
+#include "study/fit/traits.hpp"
 
 namespace thimble {
 
@@ -48,7 +49,22 @@ FitResult run_fit(const SystemSettings& settings, const FitOptions& options);
 std::filesystem::path fit_file(const std::filesystem::path& fit);
 // The medians of a fit, from its folder or its fit.json, as keys of a session file. Throws Error (data).
 std::vector<SettingChange> read_fit(const std::filesystem::path& fit);
-// The same, and no spread between subjects: everybody is this person.
+// As read_fit(), without spread between subjects: each subject is this person.
 std::vector<SettingChange> twin_of(const std::filesystem::path& fit);
+
+// How much delay the handle's loop bears in one fitted person's hand.
+
+// Delays of the whole way round, up to which the loop is stable; infinite: any delay.
+struct DelayBound {
+    double stiffness_N_per_m = 0;  // of the fixture, at the handle
+    double median_s = 0;           // arm and grip at the medians of the fit
+    double least_s = 0;            // at the worst corner of their 90 % intervals
+};
+
+// The session's own fixture, then half of its stiffness, a quarter and so on to 1/64. Co-contraction and dry friction are left out, as in
+// critical_delay.hpp. Empty for a session without a fixture. `settings` are the twin's, and `fit` was read before (twin_of).
+std::vector<DelayBound> delay_bounds(const SystemSettings& settings, const std::filesystem::path& fit);
+
+ReportTable bounds_table(const std::vector<DelayBound>& bounds);
 
 }  // namespace thimble

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
@@ -34,7 +35,7 @@ std::vector<FitGroup> fit_groups(std::span<const TrialConditions> trials);
 // of the recorded trials in turn. People of different seeds are different.
 std::array<TrialConditions, 2> training_pair(std::span<const FitGroup> groups, std::uint64_t seed,
                                              std::size_t i);
-// Runs them. Nothing if one lacks a feature.
+// Runs the pair. None if one trial lacks a feature.
 std::optional<SimulatedPair> simulate_pair(const SystemSettings& settings,
                                            const std::array<TrialConditions, 2>& pair);
 
@@ -68,5 +69,17 @@ class OperatorModel {
 // 2010; about the normal distribution that earlier draws of the same chain suggest, so that each draw forgets the one before.
 std::vector<TraitScores> slice_samples(const std::function<double(const TraitScores&)>& log_likelihood,
                                        std::uint64_t seed, std::size_t draws);
+
+// The trials of one participant, as a run or a study left them, for a fit.
+struct RecordedTrials {
+    std::vector<ObservedTrial> trials;
+    std::size_t left_out = 0;  // without a beep, or without a feature
+};
+
+// From trials.csv and trajectories/ of `folder`, of all experiments or of one; trials whose fixture vanishes are not counted. Throws
+// Error (data) where a file is missing, the participant has no trial, or a condition fewer than two. Likewise where experiments have
+// other people under the same number.
+RecordedTrials recorded_trials(const std::filesystem::path& folder, std::uint32_t subject,
+                               std::optional<std::uint32_t> experiment = {});
 
 }  // namespace thimble

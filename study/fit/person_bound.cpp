@@ -1,4 +1,3 @@
-#include "study/fit/person_bound.hpp"
 
 #include <algorithm>
 #include <array>
@@ -27,7 +26,7 @@ std::array<double, 2> interval_of(const nlohmann::json& fit, const char* key, do
     return {end("low"), end("high")};
 }
 
-// The twin's hand, then its arm and grip at each pair of ends of their intervals.
+// The twin's hand, then one for each combination of interval ends of arm and grip.
 std::vector<HeldHandle> hands_of(SystemSettings twin, const std::filesystem::path& fit) {
     std::vector<HeldHandle> hands{held_handle(twin)};
     std::ifstream file(fit_file(fit));
@@ -68,12 +67,11 @@ std::vector<DelayBound> delay_bounds(const SystemSettings& settings, const std::
 }
 
 ReportTable bounds_table(const std::vector<DelayBound>& bounds) {
-    ReportTable table{
-        "Delay and stiffness that this person's hand bears (HF)",
-        "The greatest delay of the whole way round at which the loop is stable, by theory. Arm and "
-        "grip come from the fit. Least: the worst of the ends of their 90 % intervals. Dry friction "
-        "of the handle lets a hand hold a little more, and co-contraction is left out.",
-        {"stiffness at the handle (N/m)", "delay at the medians (ms)", "least (ms)"}};
+    ReportTable table{"Stable delay and stiffness for this person's hand (HF)",
+                      "Greatest round-trip delay at which the loop is stable, by theory. The stiffnesses of "
+                      "arm and grip come from the fit. Least: for the worst ends of their 90 % intervals. "
+                      "Dry friction of the handle allows a little more. Co-contraction is left out.",
+                      {"stiffness at the handle (N/m)", "delay at the medians (ms)", "least (ms)"}};
     for (const DelayBound& bound : bounds)
         table.rows.push_back({fmt::format("{:g}", bound.stiffness_N_per_m), in_milliseconds(bound.median_s),
                               in_milliseconds(bound.least_s)});

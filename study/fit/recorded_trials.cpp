@@ -1,5 +1,3 @@
-#include "study/fit/recorded_trials.hpp"
-
 #include <set>
 
 #include <fmt/format.h>
@@ -10,6 +8,7 @@
 #include "session/records/condition_summary.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
+#include "study/fit/operator_model.hpp"
 
 namespace thimble {
 namespace {
@@ -23,7 +22,8 @@ void require_one_person(const std::filesystem::path& table, const std::vector<Tr
     }
     if (cohorts.size() < 2) return;
     throw Error(ExitCode::kData,
-                "{}: subject {} of experiments {} is not one person: choose one with --experiment {}",
+                "{}: subject {} of experiments {} need not be the same person: choose one experiment with "
+                "--experiment {}",
                 table.string(), rows.front().conditions.subject, fmt::join(experiments, " and "),
                 fmt::join(experiments, " or "));
 }
@@ -31,7 +31,8 @@ void require_one_person(const std::filesystem::path& table, const std::vector<Tr
 std::vector<TrialRow> rows_of_subject(const std::filesystem::path& table, std::uint32_t subject,
                                       std::optional<std::uint32_t> experiment) {
     if (!std::filesystem::exists(table))
-        throw Error(ExitCode::kData, "{}: is not there; name the folder of a thimble study or thimble run",
+        throw Error(ExitCode::kData,
+                    "{}: does not exist: name a folder that thimble study or thimble run has written",
                     table.string());
     std::vector<TrialRow> own;
     std::set<std::uint32_t> subjects;
@@ -41,9 +42,9 @@ std::vector<TrialRow> rows_of_subject(const std::filesystem::path& table, std::u
         if (row.conditions.subject == subject) own.push_back(row);
     }
     if (own.empty())
-        throw Error(ExitCode::kData, "{}: has no trial of subject {}{}; it has those of {}", table.string(),
+        throw Error(ExitCode::kData, "{}: has no trial of subject {}{}; it has trials of {}", table.string(),
                     subject, experiment ? fmt::format(" in experiment {}", *experiment) : "",
-                    subjects.empty() ? "nobody" : fmt::format("{}", fmt::join(subjects, ", ")));
+                    subjects.empty() ? "no subject" : fmt::format("{}", fmt::join(subjects, ", ")));
     require_one_person(table, own);
     return own;
 }
@@ -51,7 +52,8 @@ std::vector<TrialRow> rows_of_subject(const std::filesystem::path& table, std::u
 std::filesystem::path trajectory_of(const std::filesystem::path& folder, const TrialConditions& conditions) {
     std::filesystem::path file = find_trajectory(folder / "trajectories", conditions);
     if (!file.empty()) return file;
-    throw Error(ExitCode::kData, "{}: has no {}; run the study with --trajectories, or copy the folder whole",
+    throw Error(ExitCode::kData,
+                "{}: has no {}: repeat the study with --trajectories, or copy the whole folder",
                 (folder / "trajectories").string(), trajectory_name(conditions));
 }
 
@@ -61,13 +63,13 @@ void require_two_of_each(const RecordedTrials& recorded, std::uint32_t subject) 
     for (const ObservedTrial& trial : recorded.trials) conditions.push_back(trial.conditions);
     if (conditions.empty())
         throw Error(ExitCode::kData,
-                    "subject {}: no trial came to its beep, so there is nothing to fit; record trials with "
+                    "subject {}: no trial reached the beep, so there is nothing to fit: record trials with "
                     "less delay",
                     subject);
     for (const FitGroup& group : fit_groups(conditions)) {
         if (group.trials.size() > 1) continue;
         throw Error(ExitCode::kData,
-                    "subject {}: has one usable trial with {} at {}, and a fit needs two: record more",
+                    "subject {}: has one usable trial with {} at {}, but a fit needs two: record more trials",
                     subject, to_string(group.modality), delay_text(group.delay_s));
     }
 }

@@ -1,14 +1,11 @@
 #include "study/fit/simulation_file.hpp"
 
-#include <fstream>
-#include <iterator>
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "common/csv/csv.hpp"
-#include "common/error.hpp"
 #include "common/text_file.hpp"
+#include "study/planned_table.hpp"
 
 namespace thimble {
 namespace {
@@ -44,25 +41,11 @@ std::vector<std::optional<SimulatedPair>> read_pairs(const std::filesystem::path
 // Reads the pairs of an earlier fit in this folder. The plan says whether it was the same fit.
 std::vector<std::optional<SimulatedPair>> prepare_fit(const std::filesystem::path& folder, IfExists if_exists,
                                                       const std::string& plan) {
-    make_folder(folder);
-    const auto table = folder / kSimulations, plan_file = folder / "plan.txt";
-    const bool begun = std::filesystem::exists(table);
-    if (begun && if_exists == IfExists::kRefuse)
-        throw Error(ExitCode::kUsage,
-                    "{}: holds a fit already: go on with --resume, replace it with --overwrite, or name "
-                    "another --out",
-                    folder.string());
-    if (!begun || if_exists == IfExists::kReplace) {
-        remove_file(folder / "fit.json");
-        write_text_file(plan_file, plan);
-        return {};
-    }
-    std::ifstream file(plan_file, std::ios::binary);
-    if (std::string(std::istreambuf_iterator<char>(file), {}) != plan)
-        throw Error(ExitCode::kUsage, "{}: holds another fit: name another --out, or say --overwrite",
-                    folder.string());
+    const auto table = folder / kSimulations;
+    open_plan(table, folder / "plan.txt", "fit", plan, if_exists);
     auto pairs = read_pairs(table);
     keep_lines(table, pairs.size());
+    if (pairs.empty()) remove_file(folder / "fit.json");
     return pairs;
 }
 
@@ -70,7 +53,7 @@ std::vector<std::optional<SimulatedPair>> prepare_fit(const std::filesystem::pat
 
 SimulationFile::SimulationFile(const std::filesystem::path& folder, IfExists if_exists,
                                const std::string& plan)
-    : earlier_(prepare_fit(folder, if_exists, plan)), file_(folder / kSimulations, if_exists) {
+    : earlier_(prepare_fit(folder, if_exists, plan)), file_(folder / kSimulations, IfExists::kContinue) {
     if (file_.is_new()) file_.write(fmt::format("{}\n", fmt::join(pair_columns(), ",")));
 }
 

@@ -99,7 +99,7 @@ std::vector<TraitScores> slice_samples(const std::function<double(const TraitSco
     std::vector<TraitScores> kept;
     for (std::size_t round = 0; round < kRounds; ++round) {
         kept.clear();
-        // The first half is on its way.
+        // The first half is burn-in.
         for (std::size_t i = 0; i < kStepsOfRound; ++i) {
             const TraitScores& z = chain.step();
             if (2 * i >= kStepsOfRound) kept.push_back(z);

@@ -1,14 +1,13 @@
-#include "study/fit/trial_features.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "common/math/portable.hpp"
+#include "study/fit/emulator.hpp"
 
 namespace thimble {
 namespace {
 
-// Of a needle that rests, so that its logarithm exists: a third of a step of the encoder.
+// Least movement, so that its logarithm exists: a third of an encoder step.
 constexpr double kLeast_m = 1e-5;
 constexpr double kLeast_s = 1e-3;
 constexpr double kSpeedSpan_s = 2, kSettling_s = 1, kTremble_s = 0.05, kVelocitySpan_s = 0.02;

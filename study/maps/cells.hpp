@@ -24,7 +24,7 @@ class CellWriter {
     std::string rows(const CellRange& range);
 
   private:
-    // It takes longer than a cell, and all cells of a hand and delay share it.
+    // Expensive, and shared by all cells of a hand and delay.
     double critical_N_per_m(const CellPlace& place);
 
     const MapGrid& grid_;

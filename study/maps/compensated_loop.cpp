@@ -16,7 +16,7 @@ namespace {
 constexpr double kSameInstant = 1e-9;  // of a step
 constexpr double kMostWaiting = 1e7;   // packets
 
-// A model at the handle gives the force.
+// True for compensators whose force comes from a model at the handle.
 bool gives_own_force(Compensator compensator) {
     return compensator == Compensator::kLocalFixture || compensator == Compensator::kAdaptiveFixture ||
            compensator == Compensator::kFourChannel;

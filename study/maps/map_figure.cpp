@@ -71,11 +71,16 @@ void read_outcomes(const std::filesystem::path& table, CellMap& map) {
 }
 
 FigureSource map_figure(const MapGrid& g, const std::filesystem::path& table) {
-    CellMap map{"delay (ms)", "contact stiffness at the handle (N/m)",
-                {},           g.stiffness_N_per_m,
-                true,         outcome_classes(),
-                {},           columns_of(g),
-                "theory",     {}};
+    CellMap map{"round-trip delay (ms)",
+                "contact stiffness at the handle (N/m)",
+                {},
+                g.stiffness_N_per_m,
+                true,
+                outcome_classes(),
+                {},
+                columns_of(g),
+                "theory",
+                {}};
     if (g.panels() > 1) map.y_label = "contact stiffness (N/m)";
     for (const double delay_s : g.delays_s) map.x.push_back(1e3 * delay_s);
     for (std::size_t panel = 0; panel < g.panels(); ++panel)
@@ -88,8 +93,8 @@ FigureSource map_figure(const MapGrid& g, const std::filesystem::path& table) {
 
 void draw_map(const std::filesystem::path& folder, const MapGrid& grid) {
     if (grid.panels() > kMostPanels) {
-        spdlog::info("no figure: {} panels are more than {}; map.csv has them all", grid.panels(),
-                     kMostPanels);
+        spdlog::info("no figure: the map has {} panels, and at most {} are drawn; map.csv has all cells",
+                     grid.panels(), kMostPanels);
         return;
     }
     try {

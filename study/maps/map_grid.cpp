@@ -4,8 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,6 +12,7 @@
 #include "common/error.hpp"
 #include "common/math/portable.hpp"
 #include "common/messages.hpp"
+#include "common/text_file.hpp"
 #include "stability/critical_delay.hpp"
 #include "stability/delayed_loop.hpp"
 
@@ -65,7 +64,7 @@ NamedHand named_hand(std::string_view letter) {
     for (const TypicalHand& typical : kTypicalHands) {
         if (letter == std::string_view(typical.name, 1)) return {std::string(letter), typical.hand};
     }
-    throw Error(ExitCode::kUsage, fmt::format("--hand {}: there are A, B, C, D and E", letter));
+    throw Error(ExitCode::kUsage, fmt::format("--hand {}: choose from A, B, C, D and E", letter));
 }
 
 CellPlace place_of(const MapGrid& g, std::size_t cell) {
@@ -109,21 +108,23 @@ std::vector<double> parse_map_axis(const std::string& option, const std::string&
 
 void require_meaningful(const MapGrid& g) {
     for (const NamedHand& hand : g.hands) require_meaningful(hand.hand);
-    require(all_within(g.delays_s, 0, 1e3), "delays must be 0 to 1000 s");
-    require(all_within(g.stiffness_N_per_m, 1e-9, 1e12), "a stiffness or gain must be above 0");
-    require(all_within(g.jitters_s, 0, 1e3), "jitter must be 0 to 1000 s");
+    require(all_within(g.delays_s, 0, 1e3), "each --delay-s must be 0 to 1000 s");
+    require(all_within(g.stiffness_N_per_m, 1e-9, 1e12),
+            "each --contact-stiffness-N-per-m or --gain must be above 0");
+    require(all_within(g.jitters_s, 0, 1e3), "each --jitter-s must be 0 to 1000 s");
     require(all_within(g.losses, 0, g.mean_burst / (1 + g.mean_burst)),
-            "loss must be 0 to 0.5 (with longer bursts up to burst / (1 + burst))");
+            "each --loss must be 0 to 0.5 (with --loss-burst B up to B / (1 + B))");
     require(std::isfinite(g.press_N + g.force_limit_N + g.encoder_step_m + g.friction_N + g.mean_burst),
-            "press, force limit, encoder, friction and burst must be finite");
-    require(!g.hands.empty() && !g.compensators.empty(), "needs a hand and a compensator (none)");
+            "--press-N, --force-limit-N, --encoder-m, --friction-N and --loss-burst must be finite");
+    require(!g.hands.empty() && !g.compensators.empty(),
+            "--hand and --compensators need at least one name each");
     require(static_cast<double>(g.panels()) * static_cast<double>(g.panel()) <= kMostCells,
-            "at most 1e8 cells");
+            "the map has more than 1e8 cells: give fewer points");
     for (const std::string& name : g.compensators) {
-        require(known_compensator(g, name),
-                fmt::format("--compensator {}: choose from {}{}", name, fmt::join(kBuiltInCompensators, ", "),
-                            g.who == MapOperator::kVirtual ? ", CF, CCF, VF" : "")
-                    .c_str());
+        require(known_compensator(g, name), fmt::format("--compensators {}: choose from {}{}", name,
+                                                        fmt::join(kBuiltInCompensators, ", "),
+                                                        g.who == MapOperator::kVirtual ? ", CF, CCF, VF" : "")
+                                                .c_str());
     }
 }
 
@@ -141,8 +142,7 @@ std::string grid_text(const MapGrid& g) {
         fmt::format("step {} s, press {} N, limit {} N, encoder {} m, friction {} N\nseed {}, trials {}\n",
                     g.step_s, g.press_N, g.force_limit_N, g.encoder_step_m, g.friction_N, g.seed, g.trials);
     if (g.config.empty()) return text;
-    std::ifstream file(g.config);
-    return text + "session file\n" + std::string(std::istreambuf_iterator<char>(file), {});
+    return text + "session file\n" + read_text_file(g.config);
 }
 
 }  // namespace thimble

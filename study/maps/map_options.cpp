@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/error.hpp"
-#include "session/settings/session_files.hpp"
+#include "common/runtime/command_line.hpp"
 #include "session/settings/system_settings.hpp"
 
 namespace thimble {
@@ -19,72 +19,87 @@ CLI::Option& add(CLI::App& command, const char* name, Value& value, const char* 
 
 void add_loop_options(CLI::App& command, SweepArguments& a) {
     add(command, "--hand", a.hands,
-        "named hands, several with commas: A light pinch, B pinch, C arm, D firm grip, E power grip")
+        "models of hand and handle, separated by commas: A light pinch, B pinch, C arm, D firm grip, E power "
+        "grip")
         .delimiter(',');
-    CLI::Option* mass = command.add_option("--mass-kg", a.own_hand.mass_kg,
-                                           "instead of --hand: hand and handle, moved together");
+    CLI::Option* mass =
+        command.add_option("--mass-kg", a.own_hand.mass_kg,
+                           "your own hand instead of --hand: mass of hand and handle together, kg");
     CLI::Option* damping =
-        command.add_option("--damping-Ns-per-m", a.own_hand.damping_Ns_per_m, "of hand and handle")
+        command
+            .add_option("--damping-Ns-per-m", a.own_hand.damping_Ns_per_m, "damping of hand and handle, Ns/m")
             ->needs(mass);
     CLI::Option* stiffness =
-        command.add_option("--stiffness-N-per-m", a.own_hand.stiffness_N_per_m, "of the hand")->needs(mass);
+        command.add_option("--stiffness-N-per-m", a.own_hand.stiffness_N_per_m, "stiffness of the hand, N/m")
+            ->needs(mass);
     mass->needs(damping)->needs(stiffness)->excludes("--hand");
     command
-        .add_option("--delay-s", a.delays,
-                    "of the whole way round: evenly spread, or values like 0,0.05; without it the session's, "
-                    "else 0:0.2:41")
+        .add_option(
+            "--delay-s", a.delays,
+            "round-trip delays, s: evenly spaced, or a list like 0,0.05 (default: the session's, else "
+            "0:0.2:41)")
         ->type_name("LOW:HIGH:POINTS");
     CLI::Option* contact =
         command
             .add_option("--contact-stiffness-N-per-m", a.stiffness,
-                        "of the fixture at the handle, evenly in its logarithm (50:20000:41), or values")
+                        "stiffnesses of the fixture at the handle, N/m: evenly spaced in the logarithm, or a "
+                        "list (default: 50:20000:41)")
             ->type_name("LOW:HIGH:POINTS");
     command
-        .add_option(
-            "--gain", a.gain,
-            "instead: of the force, evenly in its logarithm, or values; 1 is --full-stiffness-N-per-m")
+        .add_option("--gain", a.gain,
+                    "gains of the force, instead of stiffnesses: evenly spaced in the logarithm, or a list. "
+                    "A gain of 1 "
+                    "means --full-stiffness-N-per-m")
         ->type_name("LOW:HIGH:POINTS")
         ->excludes(contact);
-    add(command, "--full-stiffness-N-per-m", a.rest.full_stiffness_N_per_m, "of a gain of 1, at the handle")
+    add(command, "--full-stiffness-N-per-m", a.rest.full_stiffness_N_per_m,
+        "stiffness at the handle for a gain of 1, N/m")
         .check(CLI::PositiveNumber);
     command
-        .add_option("--compensator", a.compensators,
-                    "none (default), scaled, passivity, energy-bound, energy-bound-memoryless, two-layer, "
+        .add_option("--compensators", a.compensators,
+                    "delay compensators, separated by commas: none (default), scaled, passivity, "
+                    "energy-bound, energy-bound-memoryless, two-layer, "
                     "local-fixture, wave, two-port, adaptive-fixture, predicted-share, four-channel "
-                    "(docs/compensators.md), or the session's plugin, several with commas")
+                    "(docs/compensators.md), or plugin, which the session names")
         ->delimiter(',');
 }
 
 void add_network_options(CLI::App& command, SweepArguments& a) {
-    add(command, "--jitter-s", a.jitters, "each packet is late by 0 to this, so they overtake");
-    add(command, "--loss", a.losses, "share of packets that is lost");
-    add(command, "--loss-burst", a.rest.mean_burst, "packets lost in a row on average; 1: each by itself")
+    add(command, "--jitter-s", a.jitters,
+        "jitter, s: a list, or LOW:HIGH:POINTS. Each packet arrives later by 0 to this much, so packets can "
+        "overtake each other");
+    add(command, "--loss", a.losses, "share of packets that are lost, 0 to 0.5: a list, or LOW:HIGH:POINTS");
+    add(command, "--loss-burst", a.rest.mean_burst,
+        "mean number of packets lost in a row; 1: independent losses")
         .check(CLI::Range(1.0, 1e6));
-    command.add_option("--seed", a.seed,
-                       "of delays, losses and virtual subjects, instead of [session] seed (1)");
+    command.add_option("-s,--seed", a.seed,
+                       "seed of delays, losses and virtual subjects (default: [session] seed, else 1)");
 }
 
 void add_hold_options(CLI::App& command, SweepArguments& a) {
-    add(command, "--step-s", a.rest.step_s, "between two samples").check(CLI::Range(1e-5, 0.1));
-    add(command, "--press-N", a.rest.press_N, "with which the hand would press at the wall");
-    add(command, "--force-limit-N", a.rest.force_limit_N, "of the handle").check(CLI::PositiveNumber);
-    add(command, "--encoder-m", a.rest.encoder_step_m, "one step of the encoder")
+    add(command, "--step-s", a.rest.step_s, "sampling period, s").check(CLI::Range(1e-5, 0.1));
+    add(command, "--press-N", a.rest.press_N, "force with which the hand presses on the fixture, N");
+    add(command, "--force-limit-N", a.rest.force_limit_N, "force limit of the handle, N")
+        .check(CLI::PositiveNumber);
+    add(command, "--encoder-m", a.rest.encoder_step_m, "resolution of the handle's encoder, m")
         .check(CLI::NonNegativeNumber);
-    add(command, "--friction-N", a.rest.friction_N, "dry friction of the handle")
+    add(command, "--friction-N", a.rest.friction_N, "dry friction of the handle, N")
         .check(CLI::NonNegativeNumber);
 }
 
 void add_operator_options(CLI::App& command, SweepArguments& a) {
     add(command, "--operator", a.who,
-        "passive: a held hand presses; virtual: trials of experiment 3 by virtual subjects, who "
-        "have hands of their own; --compensator may be CF, CCF, VF too")
+        "passive: a hand that presses on the fixture; virtual: trials of experiment 3 with virtual subjects, "
+        "who have hands of their own. With virtual, --compensators may also be CF, CCF and VF")
         .check(CLI::IsMember({"passive", "virtual"}));
-    add(command, "--trials", a.rest.trials, "of the virtual operator in each cell, each another subject")
+    add(command, "--trials", a.rest.trials,
+        "trials in each cell with --operator virtual, each with another subject")
         .check(CLI::Range(1, 10000));
     command.add_option(
         "session", a.session,
-        "session file (TOML) or name, for the virtual operator: also its delays and modalities, "
-        "unless --delay-s and --compensator are given; or the one with the plug-in of --compensator plugin");
+        "session: a TOML file, or one that comes with the program. With --operator virtual it gives the "
+        "operator, and the delays and modalities unless --delay-s and --compensators are given. With "
+        "--compensators plugin it names the plug-in");
 }
 
 // The virtual operator has the session's trials, but for their number, which is --trials.
@@ -94,8 +109,8 @@ void take_session(const SweepArguments& a, MapGrid& grid) {
     require_virtual_subjects(settings, "sweep");
     if (settings.protocol)
         throw Error(ExitCode::kUsage,
-                    "[protocol] says how many trials each subject does, and thimble sweep runs --trials "
-                    "trials in each cell, each of another subject: leave [protocol] out");
+                    "[protocol] sets the number of trials of each subject, but thimble sweep runs --trials "
+                    "trials in each cell, each with another subject: leave [protocol] out");
     grid.seed = a.seed.value_or(settings.plan.seed);
     if (a.delays.empty() && settings.plan.names_delays) {
         grid.delays_s.clear();
@@ -114,26 +129,22 @@ void add_sweep_options(CLI::App& command, SweepArguments& a) {
     add_network_options(command, a);
     add_hold_options(command, a);
     add_operator_options(command, a);
-    command.add_option("-o,--out", a.out, "folder for map.csv, map.svg and map.txt")->default_val("out/map");
+    command.add_option("-o,--out", a.out, "folder for map.csv, map.svg and map.txt")
+        ->default_val("out/map")
+        ->type_name("FOLDER");
+    add_jobs_option(command, a.jobs);
     command
-        .add_option("-j,--jobs", a.jobs,
-                    "threads, 0: one per core, or one for each rank; the results do not depend on it")
-        ->check(CLI::Range(0, 1024));
-    command.add_option("--block", a.block, "cells that a thread takes at a time, 0: by their number")
+        .add_option("--block", a.block,
+                    "cells that a thread takes at a time; 0 (default): chosen by the number of cells")
         ->check(CLI::Range(0, 1000000));
-    CLI::Option* overwrite =
-        command.add_flag("--overwrite", a.overwrite, "replace an earlier map in that folder");
-    command
-        .add_flag("--resume", a.resume,
-                  "go on where an interrupted sweep of the same map ended; the same bytes come out")
-        ->excludes(overwrite);
+    add_resume_options(command, a.if_exists, "map");
     command.footer(
         "Examples:\n  thimble sweep --hand D --out out/map\n"
-        "  thimble sweep --hand A,D --compensator none,wave,energy-bound --jitter-s 0,0.005 --loss 0,0.05 "
+        "  thimble sweep --hand A,D --compensators none,wave,energy-bound --jitter-s 0,0.005 --loss 0,0.05 "
         "--out out/compensators\n"
         "  thimble sweep my-session.toml --operator virtual --gain 0.1:1:4 --trials 3 --out out/people\n"
         "  mpirun -n 4 thimble sweep --hand A,B,C,D,E --out out/hands\n"
-        "What the classes mean, and why peak-to-peak alone is not one: docs/stability.md");
+        "Manual, with the classes of the map: docs/stability.md");
 }
 
 MapGrid grid_of(const SweepArguments& a) {
@@ -141,14 +152,14 @@ MapGrid grid_of(const SweepArguments& a) {
     const bool person = a.who == "virtual";
     grid.who = person ? MapOperator::kVirtual : MapOperator::kPassive;
     if (person && (a.own_hand.mass_kg > 0 || a.hands != std::vector<std::string>{"D"}))
-        throw Error(ExitCode::kUsage,
-                    "--operator virtual has a hand of its own ([operator] of the session): leave out --hand, "
-                    "--mass-kg");
+        throw Error(
+            ExitCode::kUsage,
+            "--operator virtual uses the hand of the session's [operator]: leave out --hand and --mass-kg");
     if (!person && !a.session.empty()) {
         if (std::find(a.compensators.begin(), a.compensators.end(), "plugin") == a.compensators.end())
             throw Error(ExitCode::kUsage,
-                        "a session is of --operator virtual, or names the plug-in of --compensator plugin: "
-                        "say that, or leave it out");
+                        "thimble sweep uses a session only with --operator virtual or --compensators "
+                        "plugin: add one of them, or leave the session out");
         grid.config = find_session_file(a.session).string();
     }
     if (person) {

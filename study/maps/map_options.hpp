@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/csv/csv_file.hpp"
 #include "study/maps/map_grid.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
@@ -25,13 +26,14 @@ struct SweepArguments {
     MapGrid rest;
     unsigned jobs = 0;
     std::size_t block = 0;
-    bool overwrite = false, resume = false;
+    IfExists if_exists = IfExists::kRefuse;
 };
 
 void add_sweep_options(CLI::App& command, SweepArguments& arguments);
 // Throws Error (usage).
 MapGrid grid_of(const SweepArguments& arguments);
-// For so many workers: no more than a column, whose cells share their theory, and so few that all have work to the end.
+// Block size: at most a column, whose cells share their theory, and small enough that all workers have work to the
+// end.
 std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::size_t hands);
 // Table and figure; the exit code.
 int run_map(const SweepArguments& arguments, const MapGrid& grid);

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/process/progress.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "study/maps/cells.hpp"
 #include "study/maps/map_options.hpp"
@@ -21,27 +22,31 @@ std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::
 
 int run_map(const SweepArguments& arguments, const MapGrid& grid) {
     const std::filesystem::path folder = arguments.out;
-    const IfExists fresh = arguments.overwrite ? IfExists::kReplace : IfExists::kRefuse;
-    PlannedTable table(folder, "map", "map", grid_text(grid), cells_header(),
-                       arguments.resume ? IfExists::kContinue : fresh);
+    PlannedTable table(folder, "map", "map", grid_text(grid), cells_header(), arguments.if_exists);
     const std::size_t first = table.done();
-    if (first > 0) spdlog::info("{} of {} cells were there already", first, grid.cells());
+    if (first > 0) spdlog::info("{} of {} cells were already done", first, grid.cells());
     const std::size_t block = block_of(arguments, grid, worker_count(arguments.jobs));
     CellWriter writer(grid);
+    Progress progress;
     run_in_order<std::string>((grid.cells() - first + block - 1) / block, arguments.jobs, &stop_requested(),
                               [&](std::size_t i) {
                                   const std::size_t from = first + i * block;
                                   return writer.rows({from, std::min(block, grid.cells() - from)});
                               },
-                              [&](const std::string& rows) { table.append(rows); }, ResultsGo::kToFirst,
-                              fmt::format("{} {} {}", first, block, grid_text(grid)));
+                              [&](const std::string& rows) {
+                                  table.append(rows);
+                                  progress.count(table.done(), grid.cells(), "cells", "");
+                              },
+                              ResultsGo::kToFirst,
+                              [&] { return fmt::format("{} {} {}", first, block, grid_text(grid)); });
     if (own_rank() > 0) return static_cast<int>(ExitCode::kOk);
+    progress.close();
     if (table.done() < grid.cells()) {
-        spdlog::error("interrupted; the {} cells that were done are kept: go on with --resume", table.done());
+        spdlog::error("interrupted: {} cells are done and saved; continue with --resume", table.done());
         return static_cast<int>(ExitCode::kRunFailed);
     }
-    fmt::print("table: {}\n", (folder / "map.csv").string());
     draw_map(folder, grid);
+    fmt::print("results: {}\n", (folder / "map.csv").string());
     return static_cast<int>(ExitCode::kOk);
 }
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "common/process/apart.hpp"
+#include "common/process/isolated.hpp"
 #include "session/settings/system_settings.hpp"
 #include "stability/stability_map.hpp"
 #include "study/maps/cells.hpp"
@@ -96,7 +96,8 @@ std::string passive_measures(const MapGrid& grid, const CellPlace& place, double
     if (compensator_named(grid.compensators[place.compensator]) != Compensator::kPlugin)
         return measures_of(grid, place, {}, critical_N_per_m);
     const ControlSettings plugin = load_system_settings(grid.config).master.control;
-    const ApartResult apart = run_apart([&] { return measures_of(grid, place, plugin, critical_N_per_m); });
+    const IsolatedResult apart =
+        run_isolated([&] { return measures_of(grid, place, plugin, critical_N_per_m); });
     if (apart.bytes) return *apart.bytes;
     spdlog::error("sweep: delay {:g} s: {}", grid.delays_s[place.delay], apart.failure);
     return std::string(kMeasures - 1, ',');

@@ -81,9 +81,7 @@ class PowerPlan {
         result_.complete = run_trials(
             settings_, trials, thread_count(options_.jobs), options_.stop, [&](const TrialRecord& record) {
                 rows_.push_back(make_row(record));
-                progress_.show(
-                    fmt::format("{}/{} trials, {}", rows_.size(), trials.size(), delay_text(delay_s)),
-                    rows_.size() == trials.size());
+                progress_.count(rows_.size(), trials.size(), "trials", delay_text(delay_s));
             });
         return result_.complete;
     }

@@ -4,13 +4,18 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
+#include "analysis/report/report.hpp"
 #include "analysis/statistics/named_values.hpp"
+#include "analysis/text/html.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/settings/system_settings.hpp"
 
@@ -66,5 +71,17 @@ PowerResult plan_power(const SystemSettings& settings, const PowerOptions& optio
 
 // "HF - CF, maximum penetration, 50 ms"
 std::string name_of(const PowerComparison& comparison);
+
+// The output of thimble power: tables, JSON, and a page with curves.
+
+// A table per delay: subjects needed for each comparison, by trials per modality.
+std::vector<ReportTable> power_tables(const PowerResult& result, const PowerOptions& options);
+// An object with what was asked, and `comparisons`; null where kMostPowerSubjects are not enough.
+nlohmann::ordered_json to_json(const PowerResult& result, const PowerOptions& options);
+// Throws Error (usage) if `out` holds a report or an earlier power.json.
+void refuse_other_report(const std::filesystem::path& out);
+// Writes power.json, report.html and figures/, in place of earlier ones. Throws Error where a file cannot be written.
+void write_power_report(const PowerResult& result, const PowerOptions& options, const std::string& command,
+                        const Provenance& made_with, const std::filesystem::path& out);
 
 }  // namespace thimble

@@ -1,5 +1,3 @@
-#include "study/power/power_report.hpp"
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -9,12 +7,13 @@
 #include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
+#include "study/power/power.hpp"
 
 namespace thimble {
 namespace {
 
 constexpr std::string_view kAtOnce =
-    "Intervals and tests are at 95 % for the six pairs of a measure at once, 99.2 % for each.";
+    "Intervals and tests hold at 95 % for the six pairs of a measure at once, which is 99.2 % for each pair.";
 
 std::string needed_text(const std::optional<std::size_t>& subjects) {
     return subjects ? std::to_string(*subjects) : fmt::format("more than {}", kMostPowerSubjects);
@@ -26,7 +25,7 @@ std::string goal_text(const PowerOptions& options) {
     if (options.precision_m) widths += fmt::format("{:g} mm", 1e3 * *options.precision_m);
     if (options.precision_s)
         widths += fmt::format("{}{:g} s", widths.empty() ? "" : " and ", *options.precision_s);
-    return fmt::format("intervals of +-{} at most in {:g} of studies", widths, options.power);
+    return fmt::format("intervals of +-{} at most, in {:g} of the studies", widths, options.power);
 }
 
 std::vector<Metric> judged_measures(const PowerOptions& options) {
@@ -60,8 +59,9 @@ FigureSource power_figure(const PowerResult& result, const PowerOptions& options
     FigureSource figure;
     figure.name = fmt::format("power_{}", number);
     figure.title = fmt::format("{} at {}", precise ? "Narrow intervals" : "Power", delay_text(delay_s));
-    figure.caption = fmt::format("Share of drawn studies in which {}, by the number of virtual subjects.",
-                                 precise ? "a pair's interval is as narrow as asked" : "a pair comes out");
+    figure.caption = fmt::format(
+        "Share of simulated studies in which {}, by the number of virtual subjects.",
+        precise ? "the interval of a pair is narrow enough" : "the difference of a pair is significant");
     const std::vector<Metric> metrics = judged_measures(options);
     figure.script = gnuplot_preamble(figure.name, 960, 340) +
                     fmt::format(
@@ -104,9 +104,10 @@ std::vector<ReportTable> power_tables(const PowerResult& result, const PowerOpti
     for (const double delay_s : options.delays_s) {
         ReportTable table{
             fmt::format("Virtual subjects needed at {} for {}", delay_text(delay_s), goal_text(options)),
-            fmt::format("Columns with numbers: trials of each subject and modality. With a value: of the {} "
-                        "in the pool, those whose trials give a difference. {}",
-                        options.pool, kAtOnce),
+            fmt::format(
+                "Last columns: subjects needed, by the number of trials of each subject and modality. With a "
+                "value: how many of the {} simulated subjects have trials that give a difference. {}",
+                options.pool, kAtOnce),
             {"comparison", "difference", "with a value"}};
         for (const PowerComparison& c : result.comparisons) {
             if (!same_delay(c.delay_s, delay_s)) continue;
@@ -140,7 +141,8 @@ nlohmann::ordered_json to_json(const PowerResult& result, const PowerOptions& op
 void refuse_other_report(const std::filesystem::path& out) {
     for (const char* name : {"power.json", "report.html"})
         if (std::filesystem::exists(out / name))
-            throw Error(ExitCode::kUsage, "{}: exists; --overwrite replaces it, --out names another folder",
+            throw Error(ExitCode::kUsage,
+                        "{}: exists already: replace it with --overwrite, or name another folder with --out",
                         (out / name).string());
 }
 
@@ -154,8 +156,9 @@ void write_power_report(const PowerResult& result, const PowerOptions& options, 
     ReportSection section;
     section.title = "Virtual subjects needed";
     section.text = fmt::format(
-        "Studies are drawn from {} virtual subjects and judged as findings are: signed ranks, all pairs of a "
-        "measure at once. A drawn subject without a value is left out of its study.",
+        "Studies are drawn at random from {} virtual subjects. Each is tested as the results of a study are: "
+        "signed-rank test, all pairs of a measure at once. A subject without a value is left out of its "
+        "study.",
         options.pool);
     section.drawn = draw_figures(std::move(figures), out);
     section.tables = power_tables(result, options);

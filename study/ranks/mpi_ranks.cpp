@@ -80,12 +80,12 @@ void send(int to, Tag tag, std::uint64_t number, const std::string& bytes = {}) 
               &outgoing.request);
 }
 
-// Counted, and the same text for the same items. All ranks are the same program.
+// Text of count and plan, equal for equal items. All ranks are the same program.
 std::string items_of(const RankWork& work) {
     return fmt::format("{} items of plan {:016x}", work.count, std::hash<std::string>{}(work.plan));
 }
 
-// Rank 0 while it leads.
+// Rank 0: distributes items.
 class Lead {
   public:
     Lead(const RankWork& work, int ranks)
@@ -200,7 +200,7 @@ class MpiRanks final : public Ranks {
         MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
         MPI_Comm_size(MPI_COMM_WORLD, &ranks_);
     }
-    // The others stay until rank 0 has written all.
+    // The other ranks wait until rank 0 has written all.
     ~MpiRanks() override {
         if (rank_ == 0) {
             for (int rank = 1; rank < ranks_; ++rank) send(rank, kGone, 0);
@@ -249,8 +249,8 @@ class MpiRanks final : public Ranks {
     void agree(const Message& begin, const RankWork& work) const {
         if (begin.bytes == items_of(work)) return send(0, kAgreed, 0);
         const Error error(ExitCode::kUsage,
-                          "rank {} on {} has {}, rank 0 has {}: let the folder of --out, the session and the "
-                          "program be the same on each machine",
+                          "rank {} on {} has {}, rank 0 has {}: use the same folder of --out, session and "
+                          "program on each machine",
                           rank_, machine(), items_of(work), begin.bytes);
         refuse(error.what(), error.code());
         throw error;

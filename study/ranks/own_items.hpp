@@ -27,7 +27,7 @@ struct DoneItem {
     std::string result;
 };
 
-// Its end waits for the items that are under way.
+// The destructor waits for items in progress.
 class OwnItems {
   public:
     OwnItems(unsigned threads, std::function<std::string(std::size_t)> work)

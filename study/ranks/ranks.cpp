@@ -14,7 +14,7 @@
 
 #include "analysis/text/gnuplot.hpp"
 #include "common/error.hpp"
-#include "session/settings/session_files.hpp"
+#include "common/own_program.hpp"
 
 namespace thimble {
 namespace {
@@ -63,11 +63,11 @@ std::unique_ptr<Ranks> load_ranks() {
     const auto make =
         loaded != nullptr ? reinterpret_cast<Make>(dlsym(loaded, "make_thimble_ranks")) : nullptr;
     if (make == nullptr)
-        throw Error(
-            ExitCode::kUsage,
-            "mpirun has started {} of this, and {} cannot be loaded ({}): build with -DTHIMBLE_MPI=ON, "
-            "or leave mpirun out (one program uses all cores of its machine)",
-            rank_count(), module.string(), dlerror());
+        throw Error(ExitCode::kUsage,
+                    "mpirun has started {} copies of this program, but {} cannot be loaded ({}): install "
+                    "libopenmpi3, build with -DTHIMBLE_MPI=ON, or start without mpirun (one program uses all "
+                    "cores of its machine)",
+                    rank_count(), module.string(), dlerror());
     return std::unique_ptr<Ranks>(make());
 }
 
@@ -77,7 +77,8 @@ class CopiedFolder {
     explicit CopiedFolder(const fs::path& out) {
         std::string pattern = (fs::temp_directory_path() / "thimble-rank-XXXXXX").string();
         if (mkdtemp(pattern.data()) == nullptr)
-            throw Error(ExitCode::kRunFailed, "{}: cannot be made", pattern);
+            throw Error(ExitCode::kRunFailed, "{}: cannot make this folder: check that the place is writable",
+                        pattern);
         folder_ = pattern;
         if (fs::is_directory(out)) fs::copy(out, folder_);  // its files, no folders
     }
@@ -117,7 +118,7 @@ int end_of_rank(int code) {
         ranks->fail(why);
         return 0;
     }
-    // Most mistakes are those of each rank. Rank 0 then says them, and mpirun ends this one meanwhile.
+    // Most errors occur in every rank. Rank 0 reports them, and mpirun ends this rank meanwhile.
     poll(nullptr, 0, kOthersSpeak_ms);
     dprintf(own_stderr(), "%s\n", why.c_str());
     return code;

@@ -34,7 +34,7 @@ class Ranks {
     // Each rank calls it. False if it was stopped before the last item. Throws in each rank what a worker threw in any, or that one
     // of them has other items.
     virtual bool run(const RankWork& work) = 0;
-    // This rank works no more because of `why`, which it answers to all that it is asked from here on.
+    // This rank stops working; it answers all requests with `why`.
     virtual void fail(const std::string& why) = 0;
 };
 

@@ -6,11 +6,13 @@
 #include <cstdlib>
 #include <initializer_list>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "common/control/control_settings.hpp"
 #include "common/error.hpp"
 #include "common/math/portable.hpp"
 #include "netem/profiles/profiles.hpp"
@@ -20,9 +22,15 @@ namespace {
 
 constexpr std::uint32_t kMostKeys = 10;
 
-// Tables of programs, machines, people and files. Of [codec], whose predicted forces the rule force-sent does not know.
-constexpr std::array<std::string_view, 9> kElsewhere{"network", "security",     "runtime",  "launch", "log",
-                                                     "dataset", "instructions", "protocol", "codec"};
+// Of sessions. A codec needs several keys of its table at once, and a plug-in its file: keys drawn one by one would seldom be either.
+constexpr double kCodecShare = 0.2, kPluginShare = 0.1;
+constexpr double kSecondaryShare = 0.4;  // of a codec's or plug-in's other keys
+constexpr std::string_view kCodec = "codec.", kPlugin = "control.plugin",
+                           kCompensator = "control.compensator", kPluginKeys = "control.plugin_settings.";
+
+// Tables of programs, machines, people and files.
+constexpr std::array<std::string_view, 8> kElsewhere{"network", "security", "runtime",      "launch",
+                                                     "log",     "dataset",  "instructions", "protocol"};
 
 // Beyond these a trial takes seconds of a processor, or is only a long wait.
 struct Cap {
@@ -205,6 +213,44 @@ const KeyDeclaration* asked_for(const std::string& refusal, const DrawnKeys& dra
     return found == keys.end() ? nullptr : &*found;
 }
 
+void draw_codec(const std::vector<KeyDeclaration>& keys, DrawnKeys& drawn, RandomStream& draw) {
+    if (draw.uniform() >= kCodecShare) return;
+    for (const KeyDeclaration& key : keys) {
+        if (!key.path.starts_with(kCodec)) continue;
+        const bool kind = has_type(key, "text");
+        if (kind || draw.uniform() < kSecondaryShare) drawn.push_back({key.path, draw_value(key, draw)});
+    }
+}
+
+// Without a plug-in at hand one of Thimble's own, which use the same interface.
+void draw_controller(const std::vector<KeyDeclaration>& keys, DrawnKeys& drawn, RandomStream& draw) {
+    if (draw.uniform() >= kPluginShare) return;
+    const auto declared = [&keys](std::string_view path) {
+        return std::find_if(keys.begin(), keys.end(),
+                            [path](const KeyDeclaration& key) { return key.path == path; });
+    };
+    const bool plugin = declared(kPlugin) != keys.end();
+    const KeyDeclaration& chosen = *declared(plugin ? kPlugin : kCompensator);
+    drawn.push_back({chosen.path, draw_value(chosen, draw)});
+    for (const KeyDeclaration& key : keys)
+        if (key.path.starts_with(kPluginKeys) && draw.uniform() < kSecondaryShare)
+            drawn.push_back({key.path, draw_value(key, draw)});
+}
+
+// The file, and the keys that it declares.
+void declare_plugin(const std::filesystem::path& file, std::vector<KeyDeclaration>& keys) {
+    const PluginSettings plugin = load_plugin(file);
+    keys.push_back({std::string(kPlugin), {"text"}, "", "", "", {std::filesystem::absolute(file)}, ""});
+    for (const thimble_controller_key& key : std::span(plugin.table->keys, plugin.table->key_count))
+        keys.push_back({std::string(kPluginKeys) + key.name,
+                        {"number"},
+                        fmt::format("{}", key.fallback),
+                        fmt::format("{}", key.low),
+                        fmt::format("{}", key.high),
+                        {},
+                        key.help});
+}
+
 // Draws the keys that readers ask for, and removes the keys that they still refuse.
 void make_valid(DrawnKeys& drawn, const std::vector<KeyDeclaration>& keys, RandomStream& draw) {
     for (std::uint32_t tries = 0;; ++tries) {
@@ -224,16 +270,19 @@ void make_valid(DrawnKeys& drawn, const std::vector<KeyDeclaration>& keys, Rando
 
 }  // namespace
 
-std::vector<KeyDeclaration> drawable_keys() {
+std::vector<KeyDeclaration> drawable_keys(const std::filesystem::path& plugin) {
     const ConfigFile description = ConfigFile::description();
     read_system_settings(description);
     std::vector<KeyDeclaration> keys = description.declarations();
     std::erase_if(keys, [](const KeyDeclaration& key) { return !drawable(key); });
+    if (!plugin.empty()) declare_plugin(plugin, keys);
     return keys;
 }
 
 DrawnKeys draw_keys(const std::vector<KeyDeclaration>& keys, RandomStream& draw) {
     DrawnKeys drawn = short_session(draw);
+    draw_codec(keys, drawn, draw);
+    draw_controller(keys, drawn, draw);
     std::vector<std::string> groups;
     for (const KeyDeclaration& key : keys) {
         const std::string group = group_of(key.path);

@@ -1,6 +1,7 @@
 // Keys of a session file, drawn from what its readers describe. So a key that a reader gains is drawn without a line here.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,8 @@ struct DrawnKey {
 };
 using DrawnKeys = std::vector<DrawnKey>;
 
-// The keys of a session that virtual time knows.
-std::vector<KeyDeclaration> drawable_keys();
+// The keys of a session that virtual time knows. `plugin`: a controller that some sessions have; empty: none has.
+std::vector<KeyDeclaration> drawable_keys(const std::filesystem::path& plugin = {});
 
 // A session: short, with `count` keys that differ from their defaults at random.
 DrawnKeys draw_keys(const std::vector<KeyDeclaration>& keys, RandomStream& draw);

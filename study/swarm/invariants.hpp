@@ -42,7 +42,9 @@ struct Invariant {
 inline constexpr std::array<Invariant, static_cast<std::size_t>(Rule::kCount)> kInvariants{{
     {"force-limit", "the force at the handle is a number, and not beyond [guard] force_limit_N"},
     {"force-rate", "the force at the handle grows no faster than [guard] force_rate_limit_N_per_s"},
-    {"force-sent", "without a compensator, the force at the handle is at most one of the last that came"},
+    {"force-sent",
+     "without a compensator, the force at the handle is at most one of the last that came, and what a codec "
+     "predicts from it"},
     {"force-silence", "the handle's force ends in time when no force comes"},
     {"force-age", "the handle's force ends in time when all forces are too old"},
     {"force-modality", "the handle has a force in HF only"},
@@ -55,7 +57,9 @@ inline constexpr std::array<Invariant, static_cast<std::size_t>(Rule::kCount)> k
     {"stop-rests", "a node that knows of a stop runs no trial and gives no output"},
     {"stop-holds", "a stop holds until a release"},
     {"stop-reaches", "a stop reaches every program that runs"},
-    {"record-finite", "the record has numbers, at times that increase"},
+    {"record-finite",
+     "the record has numbers, at times that increase; where bits flip on an unsealed path, at times that "
+     "differ"},
     {"trial-ends", "a trial ends, and its record says why"},
     {"rest-after", "after a trial no output has a force"},
     {"counts-add-up", "netem's counters account for every datagram"},

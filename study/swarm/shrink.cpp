@@ -1,6 +1,6 @@
-#include "study/swarm/shrink.hpp"
-
 #include <utility>
+
+#include "study/swarm/swarm.hpp"
 
 namespace thimble {
 namespace {

@@ -7,14 +7,12 @@
 #include "common/process/progress.hpp"
 #include "common/text_file.hpp"
 #include "study/ordered_workers.hpp"
-#include "study/swarm/shrink.hpp"
 
 namespace thimble {
 namespace {
 
 // One case in so many runs twice, and both must have the same digest.
 constexpr std::uint64_t kTwiceEvery = 64;
-constexpr std::uint64_t kProgressEvery = 1000;
 
 struct Judged {
     SwarmCase drawn;
@@ -56,23 +54,21 @@ SwarmFailure make_failure(const SwarmOptions& options, const Judged& judged) {
 }  // namespace
 
 SwarmResult run_swarm(const SwarmOptions& options) {
-    const std::vector<KeyDeclaration> keys = drawable_keys();
+    const std::vector<KeyDeclaration> keys = drawable_keys(options.plugin);
     SwarmResult result;
     Progress progress;
     OrderedWorkers<Judged> workers(
-        options.trials, thread_count(options.jobs),
+        options.cases, thread_count(options.jobs),
         [&](std::size_t i) { return judge(keys, options.seed + i, options.break_force); }, options.stop);
-    while (result.cases < options.trials && result.failures.size() < options.most_failures) {
+    while (result.cases < options.cases && result.failures.size() < options.most_failures) {
         const std::optional<Judged> judged = workers.take();
         if (!judged) return result;
         tally(result, *judged);
         if (judged->outcome.violation) result.failures.push_back(make_failure(options, *judged));
-        if (result.cases % kProgressEvery == 0)
-            progress.show(
-                fmt::format("{}/{} cases, {} failed", result.cases, options.trials, result.failures.size()),
-                result.cases % (100 * kProgressEvery) == 0);
+        progress.count(result.cases, options.cases, "cases",
+                       fmt::format("{} failed", result.failures.size()));
     }
-    result.complete = result.cases == options.trials;
+    result.complete = result.cases == options.cases;
     return result;
 }
 
@@ -80,9 +76,9 @@ std::string failure_text(const SwarmFailure& failure) {
     const Violation& v = failure.violation;
     std::string text = fmt::format("seed {}: {} at {:.4f} s: {}\n", failure.seed, name_of(v.rule),
                                    to_seconds(v.at.time_since_epoch()), v.text);
-    text += fmt::format("  repeat it with: thimble swarm --seed {}\n", failure.seed);
+    text += fmt::format("  repeat it: thimble swarm --seed {}\n", failure.seed);
     if (!failure.file.empty())
-        text += fmt::format("  the smallest session that fails: {}\n", failure.file.string());
+        text += fmt::format("  smallest session that fails: {}\n", failure.file.string());
     return text;
 }
 

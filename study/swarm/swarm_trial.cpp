@@ -1,5 +1,3 @@
-#include "study/swarm/swarm_trial.hpp"
-
 #include <algorithm>
 #include <exception>
 #include <memory>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "netem/profiles/profiles.hpp"
+#include "study/swarm/swarm.hpp"
 
 namespace thimble {
 namespace {

@@ -59,7 +59,7 @@ void Watch::run_again(Role role, bool anew) {
     if (!anew) return;
     program.stopped = false;
     program.new_instance = true;
-    if (role == Role::kSlaveSim) newest_ = {};
+    if (role == Role::kSlaveSim) forget_needle();  // it holds nothing before its first command
 }
 
 void Watch::release() {
@@ -148,7 +148,9 @@ void Watch::sample_recorded(const TrajectorySample& s) {
          s.force_total_N, s.contact_time_s});
     const bool numbers = all_finite({s.time_s, s.position_needle_m, s.position_surface_m, s.force_tissue_N,
                                      s.force_fixture_N, s.force_total_N, s.contact_time_s});
-    if (!numbers || s.time_s <= last_sample_s_)
+    const bool back =
+        s.time_s < last_sample_s_ && !unreadable_;  // flipped bits of a stamp put one sample ahead
+    if (!numbers || back || s.time_s == last_sample_s_)
         fail(Rule::kRecordFinite,
              fmt::format("a sample at {} s after one at {} s", s.time_s, last_sample_s_));
     last_sample_s_ = s.time_s;
@@ -158,15 +160,22 @@ void Watch::sent(Port to, Bytes datagram) {
     if (to != Port::kSessionRecord || unreadable_) return;
     const Decoded decoded = decode(datagram);
     const auto* feedback = decoded.message ? std::get_if<ForceFeedback>(&decoded.message->body) : nullptr;
-    newest_.needle_held = newest_.needle_held && feedback != nullptr;  // a force beyond reason is unreadable
-    if (feedback != nullptr) hear_needle(*feedback, decoded.message->header.trial);
+    if (feedback == nullptr)
+        return forget_needle();  // it is beyond reason; all inputs refuse it and fall silent
+    hear_needle(*feedback, decoded.message->header.trial);
+}
+
+void Watch::forget_needle() {
+    newest_ = {};
+    newest_trial_ = 0;
 }
 
 void Watch::hear_needle(const ForceFeedback& feedback, std::uint32_t trial) {
-    if (feedback.needle_held && !no_force(feedback)) fail(Rule::kHeldNeedle, "a held needle with a force");
+    if (feedback.needle_held && !no_force(feedback))
+        fail(Rule::kHeldNeedle, "a needle that is held has a force");
     const bool again = feedback.needle_held && newest_.needle_held && trial == newest_trial_;
     if (again && feedback.position_needle_m != newest_.position_needle_m)
-        fail(Rule::kHeldNeedle, "a held needle that moved");
+        fail(Rule::kHeldNeedle, "a needle that is held moved");
     newest_ = feedback;
     newest_trial_ = trial;
 }
@@ -193,6 +202,8 @@ void Watch::hear_force(const Message& message) {
     if (force == nullptr) return;
     newest_echo_ = std::max(newest_echo_, force->needle_held ? now() : force->echo_time);
     forces_.push_back({now(), -settings_.master.force_scale * force->force_total_N});
+    lowest_N_ = std::min(lowest_N_, forces_.back().force_N);
+    highest_N_ = std::max(highest_N_, forces_.back().force_N);
     // One that came may be too old, and then an earlier one goes on.
     const Duration acts =
         most_silence(settings_.master.stale) + settings_.master.sample_period + stood_still_;
@@ -214,10 +225,23 @@ void Watch::watch_begin() {
     }
 }
 
-// With "hold" the trial ends, once everybody was listened to again.
+// With "hold" the trial ends, once all peers were heard again.
 Duration Watch::most_silence(const StalePolicy& policy) const {
     if (policy.mode == StaleMode::kHold) return kPeerTimeout + kHeartbeatPeriod + allowed_ + stood_still_;
     return policy.after + (policy.mode == StaleMode::kRamp ? policy.ramp : Duration{});
+}
+
+// A line through two forces goes on by no more than the deadband or their difference (common/reduction/force_codec.hpp).
+bool Watch::covers(const Force& force) const {
+    const CodecSettings& codec = settings_.master.codec;
+    const double sent_N = std::abs(force.force_N);
+    double most_N = sent_N;
+    if (codec.force == HapticCodec::kDeadbandLinear)
+        most_N += std::max(
+            highest_N_ - lowest_N_,
+            codec.weber_fraction * std::max(sent_N, settings_.master.force_scale * codec.force_floor_N));
+    return std::signbit(force.force_N) == std::signbit(handle_N_) &&
+           std::abs(handle_N_) <= most_N * (1 + kRounding);
 }
 
 void Watch::watch_handle() {
@@ -233,13 +257,11 @@ void Watch::watch_handle() {
     const SessionTime began = began_.at(static_cast<std::size_t>(Role::kMaster));
     const Duration age = now() - std::max({newest_echo_, of(Role::kMaster).since, began});
     if (policy.mode != StaleMode::kHold && age > oldest + most)
-        fail(Rule::kForceAge, fmt::format("{} N, of a sample {} s ago", handle_N_, to_seconds(age)));
-    const auto covers = [this](const Force& force) {
-        return std::signbit(force.force_N) == std::signbit(handle_N_) &&
-               std::abs(handle_N_) <= std::abs(force.force_N) * (1 + kRounding);
-    };
+        fail(Rule::kForceAge,
+             fmt::format("{} N, from a sample that is {} s old", handle_N_, to_seconds(age)));
     const bool plain = settings_.master.control.compensator == Compensator::kNone;
-    if (plain && std::none_of(forces_.rbegin(), forces_.rend(), covers))
+    if (plain &&
+        std::none_of(forces_.rbegin(), forces_.rend(), [this](const Force& force) { return covers(force); }))
         fail(Rule::kForceSent, fmt::format("{} N", handle_N_));
 }
 
@@ -258,7 +280,7 @@ void Watch::watch_needle() {
     const Duration silent = silence(needle_, Role::kSlaveSim);
     if (silent > settings_.slave.stale_after + kSlack)
         fail(Rule::kHeldNeedle,
-             fmt::format("it is not held, {} s after the last command", to_seconds(silent)));
+             fmt::format("the needle is not held, {} s after the last command", to_seconds(silent)));
 }
 
 const StopBus& Watch::bus(Role role) const {
@@ -280,7 +302,7 @@ bool Watch::look_for_stops() {
         Program& program = of(role);
         const bool stopped = bus(role).stopped();
         if (program.stopped && !stopped && !released_)
-            fail(Rule::kStopHolds, fmt::format("{} holds it no more", to_string(role)));
+            fail(Rule::kStopHolds, fmt::format("{} released it", to_string(role)));
         program.stopped = stopped;
         if (!stopped || program.frozen) continue;
         any = true;
@@ -314,7 +336,7 @@ void Watch::watch_stops() {
         const Duration most = program.new_instance ? kStopReachesNew : kStopReaches;
         const bool late = now() - std::max(stop_since_, program.since) > most;
         if (!program.frozen && !program.stopped && late)
-            fail(Rule::kStopReaches, fmt::format("{} knows nothing of it", to_string(role)));
+            fail(Rule::kStopReaches, fmt::format("{} did not receive it", to_string(role)));
     }
 }
 
@@ -346,7 +368,7 @@ void Watch::count() {
         const std::uint64_t gone =
             c.lost + c.outage + c.oversized + c.queue_full + c.overflowed + c.delivered;
         if (c.pushed + c.duplicated != gone + relay.model.in_flight())
-            fail(Rule::kCountsAddUp, fmt::format("{} came, {} went, {} are under way",
+            fail(Rule::kCountsAddUp, fmt::format("{} arrived, {} left, {} are on their way",
                                                  c.pushed + c.duplicated, gone, relay.model.in_flight()));
     }
 }

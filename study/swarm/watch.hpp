@@ -69,6 +69,10 @@ class Watch {
         bool new_instance = false;  // since the stop began
         SessionTime since{};        // it runs without a break
     };
+    struct Force {
+        SessionTime at{};
+        double force_N = 0;
+    };
     SessionTime now() const { return session_ == nullptr ? SessionTime{} : session_->now(); }
     Program& of(Role role) { return programs_.at(static_cast<std::size_t>(role)); }
     const StopBus& bus(Role role) const;
@@ -77,8 +81,10 @@ class Watch {
     void mix(std::initializer_list<double> numbers);
     void hear_force(const Message& message);
     void hear_needle(const ForceFeedback& feedback, std::uint32_t trial);
+    void forget_needle();
     void watch_begin();
     void watch_handle();
+    bool covers(const Force& force) const;
     void watch_finger();
     void watch_needle();
     bool has_settled(Role role);
@@ -98,10 +104,7 @@ class Watch {
 
     InputNews force_handle_, force_finger_, force_bar_, needle_;
     SessionTime newest_echo_{};
-    struct Force {
-        SessionTime at{};
-        double force_N = 0;
-    };
+    double lowest_N_ = 0, highest_N_ = 0;          // of all that came to the handle
     std::deque<Force> forces_;                     // that came to the handle and may still act, newest last
     std::array<SessionTime, kRoleCount> began_{};  // when a node's trial began
     std::array<bool, kRoleCount> runs_{};

@@ -80,9 +80,9 @@ ReportTable tally_table(std::string title, const ClaimTally& tally, const std::s
                         bool only_fragile) {
     ReportTable table{
         std::move(title),
-        fmt::format("Reproduced: fraction of {0} in which direction and the paper's significance both come "
-                    "out, with its 95 % Wilson interval. Direction: fraction in which it comes out, whatever "
-                    "the significance. What came out with the first of the {0}.",
+        fmt::format("Reproduced: fraction of {0} in which direction and significance are those of the paper, "
+                    "with its 95 % Wilson interval. Direction: fraction in which the direction is that of "
+                    "the paper, whatever the significance. With the first: result with the first of the {0}.",
                     what),
         {"id", "claim", "the paper", what, "reproduced", "direction", "class", "with the first"}};
     for (const ClaimCount& c : tally.counts()) {

@@ -1,10 +1,9 @@
-#include "study/sweeps/joint_draws.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "common/process/progress.hpp"
 #include "common/random.hpp"
+#include "study/sweeps/variation.hpp"
 
 namespace thimble {
 namespace {
@@ -17,7 +16,9 @@ SystemSettings settings_of(const std::filesystem::path& config, const std::vecto
 }
 
 ReportTable ranges_table(const std::vector<ParameterRange>& ranges) {
-    ReportTable table{"Parameters drawn", "Uniform and independent. SI.", {"parameter", "from", "to"}};
+    ReportTable table{"Parameters drawn",
+                      "Each draw is uniform between from and to, and independent of the others. SI units.",
+                      {"parameter", "from", "to"}};
     for (const ParameterRange& range : ranges) {
         table.rows.push_back({fmt::format("{}", fmt::join(range.keys, " = ")), fmt::format("{:g}", range.low),
                               fmt::format("{:g}", range.high)});
@@ -70,8 +71,7 @@ TallyResult run_draws(const std::filesystem::path& config, const std::vector<Par
     const auto take = [&](std::uint64_t seed, const std::vector<Claim>& claims) {
         draws.append(draw_jointly(ranges, seed));
         file.append(std::to_string(seed), claims);
-        progress.show(
-            fmt::format("draw {} of {}; {}", tally.studies(), options.seeds, claims_sentence(claims)), true);
+        progress.count(tally.studies(), options.seeds, "draws", claims_sentence(claims));
     };
     result.complete = judge_studies(
         options, [&](std::uint64_t seed) { return settings_of(config, ranges, draw_jointly(ranges, seed)); },
@@ -79,8 +79,8 @@ TallyResult run_draws(const std::filesystem::path& config, const std::vector<Par
     if (tally.studies() == 0) return result;
     write_tally(tally, options.out / "claims.json");
     ReportSection section;
-    section.title = fmt::format("{} of {} claims come out in fewer than {:.0f} % of draws", tally.fragile(),
-                                tally.counts().size(), 100 * kFragileBelow);
+    section.title = fmt::format("{} of {} claims are reproduced in fewer than {:.0f} % of draws",
+                                tally.fragile(), tally.counts().size(), 100 * kFragileBelow);
     section.tables = {tally_table("All claims", tally, "draws", false), ranges_table(ranges)};
     write_sweep_report(
         options,

@@ -1,11 +1,11 @@
 #include "study/sweeps/parameter_range.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "common/decimal_text.hpp"
 #include "common/duration_text.hpp"
 #include "common/error.hpp"
 #include "common/text_file.hpp"
@@ -19,14 +19,6 @@ namespace {
         fmt::format(
             "--vary {}: {}; write NAME=LOW:HIGH or NAME=LOW:HIGH:POINTS, e.g. handle.friction_N=0.3:1:8",
             text, why));
-}
-
-template <class T>
-std::optional<T> parse(std::string_view text) {
-    T value{};
-    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || rest != text.data() + text.size()) return std::nullopt;
-    return value;
 }
 
 }  // namespace
@@ -46,26 +38,26 @@ ParameterRange parse_parameter_range(std::string_view text) {
     ParameterRange range;
     range.keys = {std::string(take_until(rest, '='))};
     if (range.name().find('.') == std::string::npos)
-        refuse_range(text, "the name needs its table, as operator.criterion_N");
-    if (range.name() == "netem.force.delay_s") refuse_range(text, "an experiment has its own delay");
+        refuse_range(text, "write the name with its table, e.g. operator.criterion_N");
+    if (range.name() == "netem.force.delay_s")
+        refuse_range(text, "each experiment sets this delay itself: vary another parameter");
     for (const ParameterRange& known : documented_ranges()) {
         if (known.name() == range.name()) range.keys = known.keys;
     }
     const std::string name = range.name().substr(range.name().rfind('.') + 1);
     const auto end_of = [&](std::string_view word) {
-        const auto plain = parse<double>(word);
+        const auto plain = parse_number(word);
         const std::string why = plain ? doubt_seconds(name, *plain) : "";
         if (!why.empty()) refuse_range(text, why);
         return plain || !holds_seconds(range.name()) ? plain : parse_duration(word);
     };
     const auto low = end_of(take_until(rest, ':')), high = end_of(take_until(rest, ':'));
-    if (!low || !high || !std::isfinite(*low) || !std::isfinite(*high))
-        refuse_range(text, "both ends must be numbers");
+    if (!low || !high) refuse_range(text, "both ends must be numbers");
     if (*low >= *high) refuse_range(text, "the low end must lie below the high end");
     range.low = *low;
     range.high = *high;
     if (rest.empty()) return range;
-    const auto points = parse<unsigned>(rest);
+    const auto points = parse_whole<unsigned>(rest);
     if (!points || *points < 2 || *points > 1000)
         refuse_range(text, "the number of points must be 2 to 1000");
     range.points = *points;

@@ -22,7 +22,8 @@ struct ParameterRange {
     void set(std::vector<SettingChange>& changes, double value) const;
 };
 
-// "operator.criterion_N=1:4" or "operator.criterion_N=1:4:7"; of a documented range all its keys. Throws Error (usage) that says what is wrong.
+// `text` is as "operator.criterion_N=1:4" or "operator.criterion_N=1:4:7". A documented range changes all its keys.
+// Throws Error (usage) that says what is wrong.
 ParameterRange parse_parameter_range(std::string_view text);
 
 // Parameters of operator and rig whose values no source fixes, or fixes only within a range. Not all there are:

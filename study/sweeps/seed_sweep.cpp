@@ -9,6 +9,7 @@
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "session/virtual/virtual_session.hpp"
+#include "study/planned_table.hpp"
 #include "study/study.hpp"
 #include "study/worker_pool.hpp"
 
@@ -21,7 +22,8 @@ bool run_into(std::vector<TrialRow>& rows, const SystemSettings& settings,
     return run_in_order<TrialRow>(
         trials.size(), options.jobs, options.stop,
         [&](std::size_t i) { return make_row(run_virtual_trial(settings, trials[i])); },
-        [&](const TrialRow& row) { rows.push_back(row); });
+        [&](const TrialRow& row) { rows.push_back(row); }, ResultsGo::kToAll,
+        [&] { return session_text(settings); });
 }
 
 // Nothing if it was stopped.
@@ -48,7 +50,8 @@ void claim_folder(const SweepOptions& options) {
     if (options.if_exists != IfExists::kReplace && std::filesystem::exists(report)) {
         throw Error(
             ExitCode::kUsage,
-            fmt::format("{}: exists; --overwrite replaces it, --out names another folder", report.string()));
+            fmt::format("{}: exists already: replace it with --overwrite, or name another folder with --out",
+                        report.string()));
     }
     make_folder(options.out);
     for (const char* name : {"report.html", "claims.json", "vary.json"}) {
@@ -100,17 +103,16 @@ TallyResult run_sweep(const SystemSettings& settings, const SweepOptions& option
     const ClaimTally& tally = result.tally;
     const auto take = [&](std::uint64_t seed, const std::vector<Claim>& claims) {
         file.append(std::to_string(seed), claims);
-        progress.show(fmt::format("seed {}: {} of {}; {}", seed, tally.studies(), options.seeds,
-                                  claims_sentence(claims)),
-                      true);
+        progress.count(tally.studies(), options.seeds, "seeds",
+                       fmt::format("seed {}: {}", seed, claims_sentence(claims)));
     };
     result.complete = judge_studies(
         options, [&](std::uint64_t) { return settings; }, result.tally, take);
     if (tally.studies() == 0) return result;
     write_tally(tally, options.out / "claims.json");
     ReportSection section;
-    section.title = fmt::format("{} of {} claims are fragile: below {:.0f} % of seeds", tally.fragile(),
-                                tally.counts().size(), 100 * kFragileBelow);
+    section.title = fmt::format("{} of {} claims are fragile: reproduced in fewer than {:.0f} % of seeds",
+                                tally.fragile(), tally.counts().size(), 100 * kFragileBelow);
     if (tally.fragile() > 0) section.tables.push_back(tally_table("Fragile claims", tally, "seeds", true));
     section.tables.push_back(tally_table("All claims", tally, "seeds", false));
     write_sweep_report(options, fmt::format("Thimble: the paper's claims over {} seeds", tally.studies()),

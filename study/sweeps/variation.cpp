@@ -16,7 +16,7 @@ namespace {
 
 ReportTable survival_table(const Variation& variation) {
     ReportTable table{variation.range.name(),
-                      "Percent of seeds in which direction and the paper's significance both come out.",
+                      "Percent of seeds in which direction and significance are those of the paper.",
                       {"id"}};
     for (const VariedPoint& point : variation.points)
         table.columns.push_back(fmt::format("{:g}", point.value));
@@ -53,6 +53,7 @@ class Sweep {
     VariationResult run() {
         for (const ParameterRange& range : ranges_) {
             for (unsigned i = 0; i < range.points; ++i) settings_of(range, range.at(i));
+            all_ += std::size_t{range.points} * options_.seeds;
         }
         claim_folder(options_);
         ClaimsFile file("claims_vary.csv", "parameter,value,seed", options_);
@@ -84,9 +85,9 @@ class Sweep {
         SystemSettings settings = settings_of(range, point.value);
         const auto take = [&](std::uint64_t seed, const std::vector<Claim>& claims) {
             file.append(fmt::format("{},{},{}", range.name(), point.value, seed), claims);
-            progress_.show(fmt::format("{} = {:g}, seed {}: {}", range.name(), point.value, seed,
-                                       claims_sentence(claims)),
-                           true);
+            progress_.count(++judged_, all_, "studies",
+                            fmt::format("{} = {:g}, seed {}: {}", range.name(), point.value, seed,
+                                        claims_sentence(claims)));
         };
         result_.complete = judge_studies(
             options_, [&settings](std::uint64_t) -> SystemSettings { return settings; }, point.tally, take);
@@ -98,8 +99,8 @@ class Sweep {
         write_text_file(options_.out / "vary.json", json_text(list, 2) + "\n");
         std::vector<ReportSection> sections;
         for (const Variation& variation : result_.variations) sections.push_back(section(variation));
-        write_sweep_report(options_, "Thimble: which claims survive", std::move(sections), "seeds per point",
-                           options_.seeds, result_.complete);
+        write_sweep_report(options_, "Thimble: the paper's claims by parameter values", std::move(sections),
+                           "seeds per point", options_.seeds, result_.complete);
     }
 
     ReportSection section(const Variation& variation) const {
@@ -115,6 +116,7 @@ class Sweep {
     const std::vector<ParameterRange>& ranges_;
     const SweepOptions& options_;
     Progress progress_;
+    std::size_t judged_ = 0, all_ = 0;  // studies
     VariationResult result_;
 };
 
@@ -142,7 +144,7 @@ DrawnFigures draw_survival(const Variation& variation, const std::filesystem::pa
                 {},
                 variation.range.name(),
                 fmt::format("seeds (n = {})", variation.points.front().tally.studies()),
-                "percent of seeds in which the claim comes out",
+                "seeds in which the claim is reproduced",
                 kSkyBlue};
     for (const std::size_t index : indices) map.rows.push_back(claims[index].claim.id);
     for (std::size_t x = 0; x < variation.points.size(); ++x) {
@@ -154,9 +156,9 @@ DrawnFigures draw_survival(const Variation& variation, const std::filesystem::pa
         }
     }
     FigureSource figure = heat_map_figure(map, "survival_" + variation.range.name());
-    figure.title = "Claims that survive";
-    figure.caption =
-        fmt::format("Percent of seeds in which each claim comes out, over {}.", variation.range.name());
+    figure.title = "Reproduced claims";
+    figure.caption = fmt::format("Percent of seeds in which each claim is reproduced, by the value of {}.",
+                                 variation.range.name());
     return draw_figures({figure}, output);
 }
 

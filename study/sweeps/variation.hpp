@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "analysis/figures/figures.hpp"
 #include "study/sweeps/parameter_range.hpp"
@@ -27,10 +28,10 @@ struct VariationResult {
     bool complete = true;
 };
 
-// A point that was interrupted is left out. `config`: the session file, "" for the defaults; every range has points. Writes claims_vary.csv (parameter,
-// value, seed, id, reproduced, direction; as each study ends), vary.json and report.html with a figure for each
-// parameter. All settings are read before the first trial: an unknown key or a value out of range costs
-// nothing (Error, usage).
+// A point that was interrupted is left out. `config`: the session file, "" for the defaults; every range has points.
+// Writes claims_vary.csv (parameter, value, seed, id, reproduced, direction; as each study ends), vary.json and
+// report.html with a figure for each parameter. All settings are read before the first trial: an unknown key or a
+// value out of range costs nothing (Error, usage).
 VariationResult run_variations(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
                                const SweepOptions& options);
 
@@ -38,5 +39,21 @@ VariationResult run_variations(const std::filesystem::path& config, const std::v
 
 // Into OUTPUT/figures; failure becomes `problem`, as in draw_figures.
 DrawnFigures draw_survival(const Variation& variation, const std::filesystem::path& output);
+
+// All uncertain parameters drawn at once, a study for each draw: how much of a claim depends on the point that
+// was chosen for them?
+struct JointDraw {
+    std::uint64_t seed = 0;      // of the study, and of the draw
+    std::vector<double> values;  // of the parameters, in their order, SI
+};
+
+// Independent and uniform within the ranges. A pure function of its arguments; a further parameter changes no
+// other.
+JointDraw draw_jointly(const std::vector<ParameterRange>& ranges, std::uint64_t seed);
+
+// options.seeds draws. Writes draws.csv (seed, then a column per parameter), claims_draws.csv (seed, id,
+// reproduced, direction), both as each study ends, claims.json and report.html.
+TallyResult run_draws(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
+                      const SweepOptions& options);
 
 }  // namespace thimble

@@ -15,7 +15,7 @@ SUB_ROOMS = {
     "netem": ("stages", "formats", "import", "profiles", "relay", "shell", "commands"),
     "master": ("operator", "devices"),
     "slave_sim": ("elements",),
-    "cutaneous_node": ("fingertip", "can", "board", "emulator"),
+    "cutaneous_node": ("fingertip", "can", "board", "touchdiver", "emulator"),
     "visual_node": ("gamepad", "window", "views"),
     "stability": (".",),
     "session": ("records", "clocks", "log", "settings", "launch", "run", "virtual", "participant", "play", "render", "observe"),

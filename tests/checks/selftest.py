@@ -4,7 +4,7 @@ import contextlib
 import io
 import sys
 
-import element_example
+import additions
 import file_sizes
 import include_directions
 import library_functions
@@ -121,36 +121,33 @@ CASES = (
     (type_names, "netem/b.cpp", "    using std::exp;\n    return exp(x);\n", None),
 )
 
-_HEADING = "# Scenes\n## Adding an element type\n"
-_FILE = "```cpp\nvoid read_gel(int) {}\n```\n"
-_LINE = "```cpp\n    ELEMENT(gel)\n```\n"
-_LIST = "#define LIST(ELEMENT) \\\n    ELEMENT(tissue) \\\n    ELEMENT(vessel)\n\n"
+_FILE = "New file `slave_sim/gel.cpp`:\n\n```cpp\nint gel;\n```\n"
+_DIFF = "```diff\n+++ slave_sim/list.hpp\n one\n+gel\n@@\n-two\n+more\n```\n"
+_LIST = "zero\none\ntwo\n"
 
-# (page, list of types, part of the complaint, or None where there must be none)
-EXAMPLES = (
-    (_HEADING + _FILE + _LINE, _LIST, None),
-    (_HEADING + _FILE + _LINE + "## Next\n" + _FILE, _LIST, None),
-    ("```cpp\nint x;\n```\n" + _HEADING + _FILE + _LINE, _LIST, None),
-    (_FILE + _LINE, _LIST, "0 sections"),
-    (_HEADING + _FILE, _LIST, "0 blocks with just a line"),
-    (_HEADING + _LINE, _LIST, "0 blocks with an element's file"),
-    (_HEADING + _FILE + _FILE.replace("int", "double") + _LINE, _LIST, "2 blocks with an element's file"),
-    (_HEADING + _FILE + _LINE.replace("gel", "gum"), _LIST, "has no read_gum()"),
-    (_HEADING + _FILE.replace("cpp", "c++") + _LINE, _LIST, "0 blocks with an element's file"),
-    (_HEADING + _FILE + _LINE, _LIST.replace("tissue", "gel"), "has ELEMENT(gel) already"),
-    (_HEADING + _FILE + _LINE, "no list\n", "0 ends of the list"),
+# (page, list that it changes, part of the complaint, or None where there must be none)
+ADDITIONS = (
+    (_FILE + _DIFF, _LIST, None),
+    (_DIFF + _FILE, _LIST, None),
+    (_FILE.replace("`slave_sim/gel.cpp`:", "in the folder:") + _DIFF, _LIST, "has no line before it"),
+    (_FILE + _FILE + _DIFF, _LIST, "or its path twice"),
+    (_FILE.replace("gel.cpp", "list.hpp") + _DIFF, _LIST, "which the project has"),
+    (_FILE + _DIFF.replace("list.hpp", "lost.hpp"), _LIST, "which is not there"),
+    (_FILE + _DIFF, _LIST.replace("two", "twofold"), "that are there 0 times"),
+    (_FILE + _DIFF, _LIST + "one\n", "that are there 2 times"),
+    (_FILE + _DIFF.replace(" one\n", ""), _LIST, "that are there"),
 )
 
 
-def example_disagreement(page, header, expected):
+def addition_disagreement(page, text, expected):
     try:
-        files = element_example.make(page, header)
-    except element_example.Mismatch as mismatch:
+        files = additions.make(page, lambda path: text if path == "slave_sim/list.hpp" else None)
+    except additions.Mismatch as mismatch:
         return None if expected and expected in str(mismatch) else f"{page!r}: {mismatch}, expected {expected!r}"
     if expected:
-        return f"element_example takes {page!r}, expected {expected!r}"
-    good = _LIST.replace("vessel)\n", "vessel) \\\n    ELEMENT(gel)\n")
-    return None if good in files.values() and "void read_gel(int) {}\n" in files.values() else f"{page!r}: {files}"
+        return f"additions takes {page!r}, expected {expected!r}"
+    good = {"slave_sim/gel.cpp": "int gel;\n", "slave_sim/list.hpp": "zero\none\ngel\nmore\n"}
+    return None if files == good else f"{page!r}: {files}"
 
 
 def disagreement(check, path, text, expected):
@@ -178,5 +175,5 @@ def library_disagreements():
 
 if __name__ == "__main__":
     wrong = [d for case in CASES if (d := disagreement(*case))] + report_disagreements() + library_disagreements()
-    wrong += [d for case in EXAMPLES if (d := example_disagreement(*case))]
-    sys.exit(report(wrong, len(CASES) + len(EXAMPLES), "self-test", of="cases"))
+    wrong += [d for case in ADDITIONS if (d := addition_disagreement(*case))]
+    sys.exit(report(wrong, len(CASES) + len(ADDITIONS), "self-test", of="cases"))

@@ -39,7 +39,8 @@ TEST_F(FalconProgram, WaitsForItsUserToHomeIt) {
     const auto says = [&](const char* words) {
         return wait_until([&] { return node.words().find(words) != std::string::npos; });
     };
-    ASSERT_TRUE(says("Novint Falcon, serial F1: 0 of 3 legs homed; pull the grip out")) << node.words();
+    ASSERT_TRUE(says("Novint Falcon, serial F1: 0 of 3 legs homed; pull the grip all the way out"))
+        << node.words();
     EXPECT_THAT(node.words(), testing::Not(HasSubstr("ready")));
     home(4);
     ASSERT_TRUE(says("1 of 3 legs homed")) << node.words();
@@ -103,7 +104,7 @@ TEST_F(FalconProgram, AMasterThatIsKilledOrStoppedLeavesNoForce) {
         node.process().signal(number);
         EXPECT_TRUE(wait_until([&] { return !pushes(); })) << number;
         EXPECT_LT(counted(&FalconEmulator::commands_with_force) - before,
-                  3 * FalconExchange::kUnattendedTurns);
+                  3 * FalconExchange::kUnattendedReads);
         node.process().signal(SIGCONT);
         if (number == SIGSTOP) node.terminate();
         const auto ended = [&] {

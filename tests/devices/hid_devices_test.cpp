@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "common/runtime/hid/hid_thread.hpp"
-#include "common/runtime/hid/hidapi_bus.hpp"
 #include "cutaneous_node/board/board_actuator.hpp"
 #include "master/devices/hid/hid_hand.hpp"
 #include "tests/devices/mock_bed.hpp"

@@ -19,7 +19,8 @@ void throw_if(GError* error) {
 
 // umockdev_in_mock_environment() says no before the first bed is made.
 bool MockBed::possible() {
-    const char* const preloaded = std::getenv("LD_PRELOAD");  // NOLINT(concurrency-mt-unsafe): nobody sets it
+    const char* const preloaded =
+        std::getenv("LD_PRELOAD");  // NOLINT(concurrency-mt-unsafe): no thread sets it
     return preloaded != nullptr && std::strstr(preloaded, "libumockdev-preload") != nullptr;
 }
 

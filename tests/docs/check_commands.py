@@ -1,4 +1,4 @@
-"""check_commands.py SOURCES PROGRAMS: every command that a page shows, also those that run_commands.py cannot run (hours, a device, a
+"""check_commands.py SOURCES PROGRAMS: every command that a page or deploy/container shows, also those that run_commands.py cannot run (hours, a device, a
 second machine): the program is there, knows the subcommand and each option; a filter of tests chooses some; a script is there."""
 import functools
 import os
@@ -9,12 +9,11 @@ import subprocess
 import sys
 
 FENCED = re.compile(r'^( *)```(?:sh|console)\n(.*?)^\1```$', re.M | re.S)
+CODE = re.compile(r'^```(?:cpp|diff)\n.*?^```$', re.M | re.S)
 PROGRAM = re.compile(r'^(?:\S*bin/)?((?:thimble|unit_|\w+_tests$)[\w-]*)$')
 SCRIPT = re.compile(r'^(?:\./)?((?:deploy|tests|bench|docs|examples|\.ci)/[\w./-]+)$')
-# Its commands are mistakes on purpose, and run.
-ON_PURPOSE = 'error-walk.md'
 # Not built everywhere; what is absent is said, not passed over.
-ABSENT = {'thimble-igtl', 'thimble-ros2', 'thimble-ros2-master', 'thimble-bench', 'thimble-bench-window'}
+ABSENT = {'thimble-igtl', 'thimble-ros2', 'thimble-ros2-master', 'thimble-ros2-slave', 'thimble-bench', 'thimble-bench-window'}
 
 
 @functools.cache
@@ -75,9 +74,10 @@ def commands(page):
     """(line number, command): lines of shell blocks and indented lines that begin with a program or script of ours."""
     text = re.sub(r'\\\n\s*', ' ', page)
     inside = [(found.start(2), found[2]) for found in FENCED.finditer(text)]
-    for start, block in [*inside, (0, '\n'.join('' if not line.startswith('    ') else line for line in text.split('\n')))]:
+    plain = CODE.sub(lambda code: '\n' * code[0].count('\n'), text)
+    for start, block in [*inside, (0, '\n'.join('' if not line.startswith('    ') else line for line in plain.split('\n')))]:
         for number, line in enumerate(block.split('\n')):
-            line = re.sub(r'\s#\s.*$', '', line.strip().removeprefix('$ '))
+            line = re.sub(r'^(\$|- run:|command:) |\s#\s.*$', '', line.strip())
             for part in re.split(r'\s*(?:&&|\|\||\||;|&$|\s[12]?>>?\s?\S+)\s*', line):
                 try:
                     words = shlex.split(part)
@@ -90,9 +90,7 @@ def commands(page):
 def main():
     sources, programs = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
     wrong, count = [], 0
-    for page in [*sources.glob('*.md'), *(sources / 'docs').rglob('*.md')]:
-        if page.name == ON_PURPOSE:
-            continue
+    for page in [*sources.glob('*.md'), *(sources / 'docs').rglob('*.md'), *(sources / 'deploy/container').glob('*.y*ml')]:
         for number, words in commands(page.read_text()):
             count += bool(PROGRAM.match(words[0]) or SCRIPT.match(words[0]))
             wrong += [f'{page.relative_to(sources)}:{number}: {fault}' for fault in check_one(words, sources, programs)]

@@ -3,8 +3,10 @@
 1. Every table of keys in docs/ is word for word that of thimble config reference, and every key stands in one. --write makes it so.
 2. Every figure of docs/figures and docs/pictures stands in docs/figures.md, and each that it names is there.
 3. No link inside the repository is dead, nor the heading that it goes to.
-4. docs/first-ten-minutes.md shows every step that deploy/quickstart says.
-5. docs/programs.md has a row for every program, and every command of thimble."""
+4. deploy/schema holds what thimble config schema says, which the shipped files name for editors. --write makes it so.
+5. docs/first-ten-minutes.md shows every step that deploy/quickstart says.
+6. docs/programs.md has a row for every program, and every command of thimble.
+7. What thimble --help says of a command fits into a line of 90 characters."""
 import pathlib
 import re
 import subprocess
@@ -54,6 +56,16 @@ def check_keys(sources, tables, write):
                 yield f'no page of docs/ has a table of keys with this of a {kind} file, [{table}]: {line}'
 
 
+def check_schemas(sources, programs, write):
+    for kind in KINDS:
+        file = sources / f'deploy/schema/{kind}.json'
+        right = subprocess.run([programs / 'thimble', 'config', 'schema', kind], check=True, capture_output=True, text=True).stdout
+        if write:
+            file.write_text(right)
+        elif not file.exists() or file.read_text() != right:
+            yield f'deploy/schema/{file.name} is not what thimble config schema {kind} says; check_docs.py ... --write mends it'
+
+
 def check_figures(sources):
     page = (sources / 'docs/figures.md').read_text()
     files = {file.name: folder for folder in ['figures', 'pictures'] for file in (sources / 'docs' / folder).iterdir()
@@ -99,6 +111,9 @@ def check_programs(sources, programs):
     rows = ''.join(re.findall(r'^\| (`.*?) \|', (sources / 'docs/programs.md').read_text(), re.M))
     text = subprocess.run([programs / 'thimble', '--complete', ''], check=True, capture_output=True, text=True).stdout
     commands = re.findall(r'^([a-z][\w-]*)\t', text, re.M)
+    for command, what in re.findall(r'^([a-z][\w-]*)\t(.*)$', text, re.M):
+        if len(what) > 90:
+            yield f'thimble {command}: {len(what)} characters in thimble --help, expected at most 90: {what}'
     for name in [*(f'thimble {command}' for command in commands), *(file.name for file in programs.glob('thimble-*'))]:
         if not re.search(rf'`{name}[ `]', rows):
             yield f'docs/programs.md has no row for {name}'
@@ -107,7 +122,8 @@ def check_programs(sources, programs):
 def main():
     sources, programs = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
     tables = key_tables(programs)
-    wrong = [*check_keys(sources, tables, '--write' in sys.argv), *check_figures(sources), *check_links(sources),
+    write = '--write' in sys.argv
+    wrong = [*check_keys(sources, tables, write), *check_schemas(sources, programs, write), *check_figures(sources), *check_links(sources),
              *check_walk(sources), *check_programs(sources, programs)]
     print('\n'.join(wrong) or f'{len(tables)} tables of keys, all shown')
     sys.exit(1 if wrong else 0)

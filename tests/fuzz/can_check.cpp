@@ -5,6 +5,7 @@
 #include "cutaneous_node/can/cannelloni.hpp"
 #include "cutaneous_node/drive_actuator.hpp"
 #include "cutaneous_node/emulator/drive_emulator.hpp"
+#include "cutaneous_node/touchdiver/touchdiver_actuator.hpp"
 #include "tests/fuzz/checks.hpp"
 
 namespace thimble {
@@ -92,10 +93,51 @@ const char* flaw_of_bus(Bytes bytes) {
     return to_master.pressed ? "a torque above the drive's rated one" : nullptr;
 }
 
+// The same bytes from TouchDIVERs' middleware: a connection that is open, and says them.
+class HostileStream final : public ByteStream {
+  public:
+    explicit HostileStream(std::string_view words) : words_(words) {}
+    void connect() override { state_ = State::kOpen; }
+    State state() override { return state_; }
+    std::size_t send(std::string_view bytes) override {
+        pressed = pressed || bytes.find("force:0.3000") != std::string_view::npos;
+        return bytes.size();
+    }
+    std::size_t receive(std::span<char> room) override {
+        const std::size_t size = words_.copy(room.data(), room.size());
+        words_.remove_prefix(size);
+        return size;
+    }
+    void close() override { state_ = State::kClosed; }
+    std::string_view why() const override { return ""; }
+
+    bool pressed = false;
+
+  private:
+    std::string_view words_;
+    State state_ = State::kClosed;
+};
+
+const char* flaw_of_middleware(Bytes bytes) {
+    HostileStream stream(text_of(bytes));
+    TouchDiverActuator actuator(TouchDiverSettings{}, 1.5, stream);
+    SessionTime now{};
+    for (int ms = 0; ms < 20; ++ms) {
+        actuator.command(now, Finger::kIndex, 99);
+        actuator.tick(now);
+        now += std::chrono::milliseconds{1};
+    }
+    const bool runs = text_of(bytes).find("RUNNING") != std::string_view::npos;
+    if (!runs && (stream.pressed || actuator.fault().empty()))
+        return "a force without a middleware that runs";
+    return actuator.output(now).force_N > 1.5 ? "a force above the limit" : nullptr;
+}
+
 }  // namespace
 
 Verdict check_can(Bytes bytes) {
     const char* flaw = flaw_of_bus(bytes);
+    if (flaw == nullptr) flaw = flaw_of_middleware(bytes);
     return {false, flaw != nullptr ? flaw : ""};
 }
 

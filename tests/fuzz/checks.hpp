@@ -21,7 +21,8 @@ inline Bytes bytes_of_text(std::string_view text) {
     return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-// A datagram of cannelloni, and frames (13 bytes each: identifier, length, data) for the master of twelve drives and for a drive.
+// A datagram of cannelloni, and frames (13 bytes each: identifier, length, data) for the master of twelve drives and for a drive. The same
+// bytes as words of TouchDIVERs' middleware.
 Verdict check_can(Bytes bytes);
 // A configuration file, read with every reader of ConfigTable.
 Verdict check_config(Bytes text);

@@ -13,7 +13,6 @@
 #include "netem/link_model.hpp"
 #include "netem/profiles/profiles.hpp"
 #include "netem/shell/ip_packet.hpp"
-#include "netem/shell/slirp_frames.hpp"
 #include "tests/fuzz/checks.hpp"
 
 namespace thimble {
@@ -99,10 +98,8 @@ std::string flaw_of_path(const MeasuredPath& path) {
 
 Verdict check_deliveries(std::string_view text) {
     const DeliveryTrace trace = parse_delivery_trace(text, kNetworkName);
-    const DeliveryTrace again = parse_delivery_trace(print_delivery_trace(trace), kNetworkName);
-    return {true, again.times_ms() == trace.times_ms()
-                      ? ""
-                      : "a trace that changes when it is written and read again"};
+    const bool sorted = std::is_sorted(trace.times_ms().begin(), trace.times_ms().end());
+    return {true, sorted ? "" : "a trace whose times fall"};
 }
 
 // A capture against itself: nothing is lost, nothing takes time.

@@ -125,9 +125,9 @@ std::string walk_with(const SceneDeclaration& declaration, SolverChoice choice) 
             return walk(build(declaration, choice), declaration, choice.longest_step_s);
         } catch (const Error& error) {
             if (error.code() != ExitCode::kUsage) return "a refusal that is not about usage";
-            const char* const advice = std::strstr(error.what(), "take at most ");
+            const char* const advice = std::strstr(error.what(), "use at most ");
             double advised_s = 0;
-            if (advice == nullptr || std::sscanf(advice, "take at most %lf s", &advised_s) != 1) {
+            if (advice == nullptr || std::sscanf(advice, "use at most %lf s", &advised_s) != 1) {
                 return fmt::format("a refusal without advice: {}", error.what());
             }
             if (!(advised_s > 0 && advised_s < choice.longest_step_s)) {

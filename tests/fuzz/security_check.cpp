@@ -80,8 +80,9 @@ class HandshakeCheck {
         hear(false);
     }
 
-    // A message is accepted no more often than it was sent, and no message that was not sent. One datagram completes at most one handshake at
-    // each end: an accept that is let through completes it at the session, whose answer then does at the node.
+    // A message is accepted no more often than it was sent, and no message that was not sent. One datagram completes
+    // at most one handshake at each end: an accept that is let through completes it at the session, whose answer then
+    // does at the node.
     void hear(bool genuine) {
         const std::uint32_t node = rig_.node->generation(), session = rig_.session->generation();
         listen(*rig_.session, "node");

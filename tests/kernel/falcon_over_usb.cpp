@@ -1,5 +1,6 @@
-// The Falcon's driver over a real kernel's USB, with an emulated device plugged into vhci_hcd: absent, found, forbidden, loaded, read and pushed for
-// two seconds, its master and its guardian killed and stopped, unplugged. It prints each difference, and the exit code is 1. For the kernel lane, as root.
+// Tests the Falcon's driver over a real kernel's USB, with an emulated device plugged into vhci_hcd. The device is absent,
+// found, forbidden, loaded, and read and pushed for two seconds. Then its master and its guardian are killed and stopped,
+// and it is unplugged. The test prints each difference and ends with exit code 1. It runs in the kernel lane, as root.
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -88,7 +89,7 @@ void forbidden_to_nobody() {
         const std::string words = refusal({});
         fmt::print("     nobody is told: {}\n", words);
         std::fflush(stdout);
-        _exit(other && words.find("may not be opened by this user") != std::string::npos ? 0 : 1);
+        _exit(other && words.find("this user may not open") != std::string::npos ? 0 : 1);
     }
     int status = -1;
     waitpid(child, &status, 0);
@@ -169,7 +170,8 @@ void unplug_in_trial(Handle& handle, VhciFalcon& falcon) {
 }
 
 void run() {
-    expect(refusal({}).find("no Novint Falcon is on the USB") != std::string::npos, "absent: " + refusal({}));
+    expect(refusal({}).find("there is no Novint Falcon on the USB") != std::string::npos,
+           "absent: " + refusal({}));
     VhciFalcon falcon(0);
     falcon.with([](FalconEmulator& device) {
         device.image_bytes = kImageBytes;
@@ -177,11 +179,11 @@ void run() {
     });
     expect(kernel_has_it(), "the kernel has found it");
     forbidden_to_nobody();
-    expect(refusal({}).find("has no firmware") != std::string::npos, "unloaded: " + refusal({}));
+    expect(refusal({}).find("has lost its firmware") != std::string::npos, "unloaded: " + refusal({}));
     auto handle = open_falcon(with_firmware(), kLimit_N, kPlain);
     expect(falcon.with([](FalconEmulator& device) { return device.running; }), "firmware loaded");
     expect(comes([&] { return handle->fault().empty(); }, seconds{1}), "and homed");
-    expect(refusal({}).find("another program has it") != std::string::npos, "busy: " + refusal({}));
+    expect(refusal({}).find("another program uses it") != std::string::npos, "busy: " + refusal({}));
     read_and_push(*handle, falcon);
     handle.reset();
     for (const int number : {SIGKILL, SIGSTOP}) {

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "common/hid/hid_connection.hpp"
-#include "common/runtime/hid/hidapi_bus.hpp"
+#include "common/runtime/hid/hid_thread.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "cutaneous_node/board/board_actuator.hpp"
 #include "master/devices/hid/hid_hand.hpp"

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "common/decimal_text.hpp"
 #include "common/text_file.hpp"
 #include "netem/formats/text_lines.hpp"
 #include "netem/relay/selftest_twin.hpp"
@@ -16,7 +17,7 @@ namespace {
 constexpr std::size_t kBatches = 20;
 
 std::int64_t read_count(const LineReader& lines, std::string_view field, std::string_view name) {
-    const auto value = parse_integer(field);
+    const auto value = parse_whole<std::int64_t>(field);
     if (!value || *value < 0)
         lines.fail(fmt::format("'{}' is no {}; a whole number from 0 belongs here", field, name));
     return *value;

@@ -58,10 +58,14 @@ struct PathRequest {
 // thimble-netem a wake-up and two system calls. On average, and at most (something else ran just then).
 inline constexpr double kPathCost_s = 0.15e-3, kPathMost_s = 0.5e-3;
 
-// Bounds: no mean further from what was asked than 4 standard errors and the path's cost, nor from each other; constant
-// delays each within [delay, delay + kPathMost_s]; of normal ones the deviation within 4 of its own (sd / sqrt(2 n)), both
-// distributions nearer than Kolmogorov and Smirnov's distance for 1 in 10,000; losses within 4 standard deviations of the binomial, of the request and of each other; shares overtaken within
-// 5 standard errors (Student's t with 38 degrees of freedom: 1 in 70,000). No copies, no strangers. A sentence for each breach.
+// Returns a sentence for each bound that is broken:
+// - Means differ from the request and from each other by at most 4 standard errors and the path's cost.
+// - Each constant delay is within [delay, delay + kPathMost_s].
+// - The deviation of normal delays is within 4 of its own deviations, sd / sqrt(2 n).
+// - Both distributions are nearer than Kolmogorov and Smirnov's distance for 1 in 10,000.
+// - Losses differ from the request and from each other by at most 4 standard deviations of the binomial.
+// - Shares overtaken differ by at most 5 standard errors (Student's t with 38 degrees of freedom: 1 in 70,000).
+// - There are no copies and no foreign packets.
 std::vector<std::string> disagreements(const PathRequest& asked, const PathSummary& kernel,
                                        const PathSummary& relay);
 

@@ -1,5 +1,5 @@
-// Who stands on the wire between a session and a node that moves something or presses: hears every datagram, has no key, and may say anything, from the
-// peers' own host, to any port, as often as it likes.
+// An attacker on the wire between a session and a node with a device. It hears every datagram and has no key.
+// It may send anything to any port, from the peers' own host, as often as it likes.
 #pragma once
 
 #include <array>

@@ -142,8 +142,8 @@ TEST_P(Attack, ASessionOfAnotherRigIsNotObeyed) {
     EXPECT_EQ(counters.at("opened"), 0);
 }
 
-// Cheap to refuse, and costly. So many fill the kernel's buffers, and then a trial may end as over any broken network; nothing moves all the
-// same, and the next trial is as any other.
+// Cheap and costly floods. They fill the kernel's buffers, and the trial may end as on any broken network. No output
+// moves, and the next trial runs as usual.
 TEST_P(Attack, AFloodMovesNothing) {
     const SessionTime begin = wall_now();
     EXPECT_TRUE(session_.command([&] {
@@ -318,7 +318,7 @@ TEST(UserKey, ARealHandleIsRefusedOnAnOpenNetwork) {
                   "[handle]\ndevice = 'force-dimension'\n[network]\nhost_netem = '192.0.2.1'\n"
                   "[security]\nmode = 'none'\nallow_unprotected_network = true\n");
     EXPECT_EQ(real.process().wait(kPatience), 2);
-    EXPECT_THAT(real.words(), HasSubstr("a real handle takes no force"));
+    EXPECT_THAT(real.words(), HasSubstr("a real handle or robot accepts no commands"));
 }
 
 // A trial among hostile datagrams goes on; each is counted by its name.

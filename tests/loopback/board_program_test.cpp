@@ -35,7 +35,7 @@ TEST(BoardProgram, TheSameBytesWithAnyNumberOfThreadsAndAfterAnInterruption) {
     std::ofstream(resumed / "board.txt") << read_text(one / "board.txt");
     const Outcome on = board("--resume", resumed);
     EXPECT_EQ(on.code, 0) << on.words;
-    EXPECT_THAT(on.words, HasSubstr("1 of 4 rows were there already"));
+    EXPECT_THAT(on.words, HasSubstr("1 of 4 rows were already done"));
     EXPECT_EQ(read_text(resumed / "board.csv"), table);
     EXPECT_EQ(board("--resume --seed 2", resumed).code, 2);
     // HF at 50 ms fails; its session is there to look at.

@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/wall_clock.hpp"
-#include "common/security/lab_key_file.hpp"
 #include "session/records/trial_table.hpp"
 #include "tests/loopback/drawn_session.hpp"
 #include "tests/loopback/played_view.hpp"
@@ -127,7 +126,7 @@ TEST_F(RunByClock, RefusesWhateverLivesByTheWallClock) {
     expect_refused(easy, "virtual", "--attach", {"--attach"});
     expect_refused(easy, "virtual", "--strict-rt", {"--strict-rt"});
     expect_refused(easy, "virtual", "--monitor", {"--monitor"});
-    expect_refused(easy, "virtual", "--answer-limit", {"--answer-limit", "5"});
+    expect_refused(easy, "virtual", "--answer-limit-s", {"--answer-limit-s", "5"});
     expect_refused(easy + "[log]\nmessages = 'all'\n", "virtual", "[log]");
     expect_refused(easy + "[handle]\ndevice = 'pointer'\n", "virtual", "[handle] device");
     expect_refused(easy + "[cutaneous]\ndevice = 'board'\n", "virtual", "[cutaneous]");
@@ -173,7 +172,6 @@ TEST_F(RunByClock, AConditionThatIsStoppedEndsNoOther) {
 
 // Its random numbers reach the keys and nothing else: virtual time has no keys at all.
 TEST_F(RunByClock, LockStepTakesALabKey) {
-    create_lab_key(folder_ / "lab.key", system_random_bytes());
     expect_both_agree(std::string(kOneTrial) + under_lab_key(folder_ / "lab.key"));
 }
 
@@ -226,7 +224,6 @@ class DrawnByClock : public RunByClock, public testing::WithParamInterface<std::
   protected:
     // The session is drawn, and has run in virtual time.
     void draw(std::uint32_t number) {
-        create_lab_key(folder_ / "lab.key", system_random_bytes());
         text_ = DrawnSession(number, folder_ / "lab.key").text();
         const Outcome outcome = run(text_, "virtual");
         code_ = outcome.code;
@@ -289,7 +286,7 @@ TEST_F(RunByClock, LockStepKeepsTheTrialsBeforeANodeThatDies) {
 }
 
 TEST_F(RunByClock, LockStepNamesANodeThatNeverAnswers) {
-    Child child = start_into_second_trial({"--answer-limit", "3"});
+    Child child = start_into_second_trial({"--answer-limit-s", "3"});
     for (const pid_t pid : nodes("thimble-visual")) kill(pid, SIGSTOP);
     typing_.type("c\n");
     EXPECT_EQ(child.wait(kPatience), 3);
@@ -302,7 +299,7 @@ TEST_F(RunByClock, LockStepKeepsWhatWasRecordedUntilCtrlC) {
     Child child = start_into_second_trial();
     child.signal(SIGINT);
     EXPECT_EQ(child.wait(kPatience), 1);
-    EXPECT_THAT(words(), HasSubstr("interrupted; what was recorded is kept"));
+    EXPECT_THAT(words(), HasSubstr("interrupted; finished trials are kept"));
     EXPECT_GE(read_trial_table(out_ / "trials.csv").size(), 2U);
 }
 

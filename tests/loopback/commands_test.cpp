@@ -153,7 +153,7 @@ TEST(CompensatorsProgram, GoesOnWithResumeAndTakesListsWithCommas) {
     EXPECT_EQ(compare("half", {"--resume", "--overwrite"}).code, 2);
     const Outcome other = compare("half", {"--resume", "--seed", "7"});
     EXPECT_EQ(other.code, 2);
-    EXPECT_THAT(other.words, HasSubstr("another comparison"));
+    EXPECT_THAT(other.words, HasSubstr("holds a comparison with other settings"));
     EXPECT_EQ(compare("half", {"--resume"}).code, 0);
     EXPECT_EQ(read_text(folder / "half/compensator_trials.csv"), table);
 }
@@ -172,7 +172,7 @@ TEST(FilesAndFolders, AreToldApart) {
           {"keygen", file + "/lab.key"}}) {
         const Outcome outcome = run_thimble(words);
         EXPECT_EQ(outcome.code, 2) << outcome.words;
-        EXPECT_THAT(outcome.words, HasSubstr(file + ": is a file, and a folder is meant")) << words[0];
+        EXPECT_THAT(outcome.words, HasSubstr(file + ": is a file; name a folder")) << words[0];
     }
     for (const std::vector<std::string>& words : {std::vector<std::string>{"study", dir},
                                                   {"run", dir},
@@ -182,7 +182,7 @@ TEST(FilesAndFolders, AreToldApart) {
                                                   {"keygen", dir}}) {
         const Outcome outcome = run_thimble(words);
         EXPECT_EQ(outcome.code, 2) << outcome.words;
-        EXPECT_THAT(outcome.words, HasSubstr(dir + ": is a folder, and a file is meant")) << words[0];
+        EXPECT_THAT(outcome.words, HasSubstr(dir + ": is a folder; name a file")) << words[0];
     }
     EXPECT_EQ(read_text(file), "hi\n");
 }
@@ -211,7 +211,7 @@ TEST(StabilityProgram, AnInterruptedMapGoesOnToTheSameBytes) {
     EXPECT_EQ(read_text(folder / "half/map.csv"), table);
     const Outcome other = sweep("half", "0:0.2:3", "2", {"--resume"});
     EXPECT_EQ(other.code, 2);
-    EXPECT_THAT(other.words, HasSubstr("another map"));
+    EXPECT_THAT(other.words, HasSubstr("holds a map with other settings"));
     EXPECT_EQ(sweep("bad", "0.1:0:3", "1").code, 2);
     EXPECT_EQ(sweep("bad", "0,0.1,", "1").code, 2);
     EXPECT_EQ(sweep("bad", "-1", "1").code, 2);

@@ -9,6 +9,7 @@
 #include "common/runtime/wall_clock.hpp"
 #include "cutaneous_node/can/cannelloni.hpp"
 #include "cutaneous_node/emulator/emulated_drives.hpp"
+#include "tests/devices/mock_haply.hpp"
 #include "tests/loopback/lone_node.hpp"
 #include "tests/loopback/real_run.hpp"
 
@@ -36,7 +37,7 @@ class EmulatorRun {
 
   private:
     std::vector<std::string> arguments(const std::vector<std::string>& more) const {
-        return words_in(fmt::format("--port {} --peer-port {}", ports_.base(), ports_.base() + 1), more);
+        return words_in(fmt::format("--listen {} --to 127.0.0.1:{}", ports_.base(), ports_.base() + 1), more);
     }
 
     Folder folder_;
@@ -84,8 +85,14 @@ TEST(DriveRun, ADriveThatRefusesKeepsTheSessionFromStarting) {
     EmulatorRun emulator({"--fault", "refuse 3 0x6060"});
     RealRun run(on_the_fingers(emulator, "CF"));
     EXPECT_EQ(run.end(), 3) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("drive 3 (acting hand, index, cable 2): refused 'mode 0x6060'"));
+    EXPECT_THAT(run.words(), HasSubstr("drive 3 (acting hand, index, cable 2): rejected 'mode 0x6060'"));
     EXPECT_TRUE(run.rows().empty());
+}
+
+TEST(DriveRun, TheEmulatorNamesItsOptionForAnAddressThatItCannotUse) {
+    const Outcome refused = run_to_end(built_programs() / "thimble-drive-emulator", {"--to", "::1:9000"});
+    EXPECT_EQ(refused.code, 3) << refused.words;
+    EXPECT_THAT(refused.words, HasSubstr("IPv4 address to --to"));
 }
 
 // The drives are here, so that what the program leaves behind shows before any drive misses a heartbeat.
@@ -163,6 +170,70 @@ TEST_F(HandleRun, AnUnpluggedHandleEndsTheTrialInItsOwnWords) {
     EXPECT_EQ(outcome_text(run.rows()[0].reason, run.rows()[0].lost_peer), "device_fault_master");
     EXPECT_FALSE(read_trajectory(run.trajectory_path(run.rows()[0].conditions)).samples.empty());
     EXPECT_THAT(read_text(run.out() / "report.html"), HasSubstr("communication error"));
+}
+
+// A device that a thread of the master talks to. The hand goes in and out once, after `go`. A machine that stalls for
+// 0.2 s ends the trial, so there are three attempts.
+template <class Go, class Look>
+void expect_a_persons_trial(const SessionFile& file, Go go, Look look) {
+    for (int attempt = 1; attempt <= 3; ++attempt) {
+        RealRun run(file);
+        ASSERT_TRUE(run.reaches_trial()) << run.words();
+        go();
+        const int code = run.end();
+        if (attempt < 3 && run.words().find("device_fault_master") != std::string::npos) continue;
+        EXPECT_EQ(code, 0) << run.words();
+        ASSERT_EQ(run.only_reason(), EndReason::kCompleted);
+        EXPECT_GT(run.rows()[0].metrics.penetration_max_m, 0.02);
+        return look(run);
+    }
+}
+
+SessionFile session_of_device(const std::string& device, const std::string& keys) {
+    SessionFile file;
+    file.contact_hold_s = 0.3;
+    file.more = "[handle]\ndevice = \"" + device + "\"\n" + keys;
+    return file;
+}
+
+TEST(HaplyRun, APersonsTrialIsFeltThroughTheService) {
+    MockHaply service({"press=0.02"});
+    const SessionFile file =
+        session_of_device("haply", "haply.port = " + std::to_string(service.port()) + "\n");
+    expect_a_persons_trial(
+        file, [&] { service.make("go"); },
+        [&](const RealRun& run) {
+            EXPECT_EQ(run.report("thimble-master")["handle"]["device"], "Haply Inverse3 049D");
+            EXPECT_THAT(service.log(), HasSubstr("values 049D 0.00 0.00 3.00\n"));
+            EXPECT_TRUE(service.ends_with("values 049D 0.00 0.00 0.00\nclosed\n")) << service.log();
+        });
+}
+
+TEST(HaplyRun, WithoutTheServiceTheRunSaysWhatToStart) {
+    RealRun run(session_of_device("haply", "haply.port = 1\n"));
+    EXPECT_NE(run.end(), 0);
+    EXPECT_THAT(run.words(), HasSubstr("no Haply Inverse Service at ws://localhost:1: Connection refused"));
+}
+
+TEST(HaplyRun, LockStepRefusesARealHandle) {
+    RealRun run(session_of_device("haply", ""), kLockStep);
+    EXPECT_EQ(run.end(), 2) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("device"));
+}
+
+TEST_F(HandleRun, APersonsTrialIsFeltThroughTheTouch) {
+    const auto script = folder_.write(
+        "hd", "press 0.02\nlog " + (folder_ / "log").string() + "\ngo " + (folder_ / "go").string() + "\n");
+    setenv("THIMBLE_FAKE_HD", script.c_str(), 1);
+    const SessionFile file = session_of_device("touch", "touch.library = \"" THIMBLE_FAKE_HD_FILE "\"\n");
+    expect_a_persons_trial(
+        file, [&] { folder_.write("go", ""); },
+        [&](const RealRun& run) {
+            EXPECT_EQ(run.report("thimble-master")["handle"]["device"], "Touch, serial T1");
+            EXPECT_THAT(device_log(), HasSubstr("force 0.00 0.00 3.30\n"));
+            EXPECT_THAT(device_log(),
+                        testing::EndsWith("force 0.00 0.00 0.00\nstop\ndisable\ndisable device\n"));
+        });
 }
 
 }  // namespace

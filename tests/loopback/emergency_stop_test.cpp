@@ -1,4 +1,4 @@
-// Emergency stops of real sessions: by command, signal and under a lab key, in a trial and before it, heard by nobody, and kept.
+// Emergency stops of real sessions: by command, signal and under a lab key, in a trial and before it, without a listener, and kept.
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/security/lab_key_file.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {
@@ -24,7 +23,7 @@ TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
     const std::string port = std::to_string(run.base_port());
     const Outcome stop = thimble_stop({"--base-port", port, "--reason", "a cable came loose"});
     EXPECT_EQ(stop.code, 0) << stop.words;
-    EXPECT_THAT(stop.words, HasSubstr("held by "));
+    EXPECT_THAT(stop.words, HasSubstr("confirmed by "));
     EXPECT_THAT(stop.words, HasSubstr("thimble stop --release --base-port " + port));
     expect_end(run, 1, EndReason::kEmergencyStop, "a cable came loose");
     // It holds for the next session on these ports, until it is released on purpose.
@@ -82,10 +81,8 @@ TEST(EmergencyStop, WhoeverIsHeardByNobodyIsToldSo) {
 // Without the session file there is no key, and no program hears.
 TEST(EmergencyStop, UnderALabKeyTheSessionFileIsNamedAndWithoutItNobodyClaimsToHaveStopped) {
     const Folder folder;
-    const auto key = folder / "lab.key";
-    create_lab_key(key, system_random_bytes());
     SessionFile session = SessionFile::endless();
-    session.more = under_lab_key(key);
+    session.more = under_lab_key(folder / "lab.key");
     RealRun run(session);
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const std::string port = std::to_string(run.base_port());
@@ -118,7 +115,7 @@ TEST(EmergencyStop, AStopThatCannotBeKeptIsSaid) {
     std::filesystem::remove(stops);
     run.launcher().signal(SIGQUIT);
     EXPECT_EQ(run.end(), 1) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("could not be kept"));
+    EXPECT_THAT(run.words(), HasSubstr("cannot be saved"));
     EXPECT_EQ(run.rows().at(0).reason, EndReason::kEmergencyStop);
 }
 

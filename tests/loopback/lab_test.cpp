@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/security/lab_key_file.hpp"
 #include "session/participant/dataset.hpp"
 #include "session/participant/record_table.hpp"
 #include "tests/loopback/real_run.hpp"
@@ -67,15 +66,16 @@ TEST_F(Lab, FourMachinesInLockStepWriteTheBytesOfOneProgram) {
     session.modalities = R"(["CF", "VF"])";
     session.delays_s = "[0.05]";
     session.contact_hold_s = 0.3;
-    const auto key = folder_ / "lab.key";
-    create_lab_key(key, system_random_bytes());
-    session.more = kMachines + under_lab_key(key);
+    session.more = kMachines + under_lab_key(folder_ / "lab.key");
     Child launcher("unshare", launch(session.text(), kLockStep), folder_ / "words");
     ASSERT_EQ(launcher.wait(3 * kPatience), 0) << said();
     const std::string trials = read_text(folder_ / "out/trials.csv");
     EXPECT_EQ(read_text(folder_ / "out/virtual.csv"), trials);
     EXPECT_THAT(trials, AllOf(HasSubstr("CF"), HasSubstr("VF")));
     EXPECT_THAT(read_text(folder_ / "out/nodes/thimble-slave-sim_50ms.json"), HasSubstr("\"robot\""));
+    for (const char* log : {"thimble-slave-sim_50ms_trial01.mcap", "thimble-slave-sim_50ms_trial02.mcap",
+                            "thimble-visual_50ms_trial02.mcap", "thimble-master_50ms_trial02.mcap"})
+        EXPECT_TRUE(read_text(folder_ / "out/nodes" / log).ends_with("MCAP0\r\n")) << log;
     EXPECT_THAT(nodes_alive(ports_.base()), IsEmpty());
 }
 

@@ -37,7 +37,7 @@ void expect_the_relay_agrees(const std::vector<FlowFinding>& flows, const std::f
         EXPECT_GT(flow.named, static_cast<std::uint64_t>(kMostUnderWay)) << flow.topic << ": too few to tell";
         EXPECT_GE(flow.within, 0) << flow.topic;
         EXPECT_LE(flow.within, kMostUnderWay) << flow.topic;
-        // A crowded machine lets a socket run over once and again: `thimble log check` would say so.
+        // On a busy machine a socket may overflow now and then: `thimble log check` would report it.
         for (const std::int64_t at_socket : {flow.before, flow.behind}) {
             EXPECT_GE(at_socket, 0) << flow.topic;
             EXPECT_LE(at_socket, 1000) << flow.topic;
@@ -111,7 +111,7 @@ TEST(LogRun, AFullDiskUnderANodesLogEndsTheTrial) {
     EXPECT_EQ(run.end(), 1) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("slave_sim: the log '"));
     EXPECT_THAT(run.words(),
-                HasSubstr("thimble-slave-sim_0ms.mcap' cannot be written: File too large; make room"));
+                HasSubstr("thimble-slave-sim_0ms.mcap' cannot be written: File too large; free disk space"));
     const TrialRow row = run.only_row();
     EXPECT_EQ(row.reason, EndReason::kDeviceFault);
     EXPECT_EQ(row.lost_peer, Role::kSlaveSim);

@@ -1,4 +1,4 @@
-// One real node process; the test plays everybody else, so that it sees what only the node's peers see.
+// One real node process; the test stands for all its peers, so that it sees what only the node's peers see.
 #pragma once
 
 #include <csignal>
@@ -61,7 +61,7 @@ class LoneNode {
           child_(built_programs() / program, node_arguments(folder_, ports_, config, more_arguments),
                  folder_ / "words") {}
 
-    // waits until it says so
+    // waits until it reports that
     bool ready() {
         return wait_until([this] { return words().find("ready") != std::string::npos; });
     }

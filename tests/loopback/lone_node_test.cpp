@@ -184,6 +184,7 @@ TEST(LoneMaster, HoldsAStopUntilSomebodyWhoHasJustComeReleasesIt) {
     Folder folder;
     const std::filesystem::path thimble = built_programs() / "thimble", key = folder / "lab.key";
     ASSERT_EQ(run_to_end(thimble, {"keygen", key.string()}).code, 0);
+    ASSERT_TRUE(std::filesystem::exists(key));  // or under_lab_key would make it
     const std::string config = under_lab_key(key);
     LoneNode node("thimble-master", config);
     ASSERT_TRUE(node.ready()) << node.words();
@@ -200,6 +201,14 @@ TEST(LoneMaster, HoldsAStopUntilSomebodyWhoHasJustComeReleasesIt) {
     EXPECT_THAT(released.words, testing::HasSubstr("released: smoke"));
     EXPECT_THAT(run_to_end(thimble, release).words, testing::HasSubstr("nothing was stopped here"));
     EXPECT_EQ(node.terminate(), 0);
+}
+
+TEST(LoneNode, DoesNotTakeAnEmptyGrantKeyForNone) {
+    setenv("THIMBLE_GRANT_KEY", "", 1);
+    const Outcome refused = run_to_end(built_programs() / "thimble-master", {"--lock-step"});
+    unsetenv("THIMBLE_GRANT_KEY");
+    EXPECT_EQ(refused.code, 2) << refused.words;
+    EXPECT_THAT(refused.words, testing::HasSubstr("THIMBLE_GRANT_KEY does not hold the key"));
 }
 
 // As systemd would hear it.

@@ -97,6 +97,10 @@ TEST_F(OtherMachines, LockStepGivesTheBytesOfVirtualTime) {
     EXPECT_THAT(read_text(run.out() / "report.html"), HasSubstr("robot"));
     EXPECT_EQ(read_text(run.out() / "virtual.csv"), read_text(run.out() / "trials.csv"));
     EXPECT_THAT(read_text(run.out() / "nodes/thimble-slave-sim_50ms.log"), Not(HasSubstr("GRANT_KEY")));
+    const fs::path log = run.out() / "nodes/thimble-slave-sim_50ms_trial01.mcap";
+    EXPECT_TRUE(read_text(log).ends_with("MCAP0\r\n")) << "its log of messages has not come here";
+    EXPECT_EQ(run.report("thimble-slave-sim", 50).at("log").at("file"), log.string());
+    EXPECT_FALSE(fs::exists(run.out() / "nodes/thimble-slave-sim_50ms.mcap"));
     expect_nothing_left(run);
 }
 
@@ -192,7 +196,7 @@ TEST_F(OtherMachines, ASignalEndsTheWaitForTheMachinesLastWords) {
     }
     run.launcher().signal(SIGTERM);
     EXPECT_EQ(run.end(), 1) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("of its 100000000 bytes"));
+    EXPECT_THAT(run.words(), HasSubstr("of 100000000 bytes; a signal ended the wait for the rest"));
     EXPECT_EQ(run.only_reason(), EndReason::kCompleted);
     expect_nothing_left(run);
 }
@@ -240,10 +244,10 @@ TEST_F(OtherMachinesFail, AMachineThatCannotBeReachedIsNamedWithTheCommand) {
 // It would fill the disk, and go on for ever.
 TEST_F(OtherMachinesFail, AMachineThatDoesNotStopTalkingIsCutOff) {
     RealRun run = start(session(kShared + "machine_netem = 'flooding'"));
-    expect_end(run, 3, "'flooding' was cut off, where thimble-netem ran: it says more than 1048576 bytes");
+    expect_end(run, 3, "lost 'flooding' while thimble-netem ran there: it sends more than 1048576 bytes");
     RealRun check = start(session(kShared + "machine_netem = 'flooding'"), {"--check"});
     EXPECT_EQ(check.end(), 3) << check.words();
-    EXPECT_THAT(check.words(), HasSubstr("says more than 1048576 bytes"));
+    EXPECT_THAT(check.words(), HasSubstr("sends more than 1048576 bytes"));
 }
 
 struct BadMachine {
@@ -257,7 +261,7 @@ class OtherMachinesFailBy : public OtherMachinesFail, public testing::WithParamI
 INSTANTIATE_TEST_SUITE_P(
     Slave, OtherMachinesFailBy,
     testing::Values(BadMachine{"Silence", "exit 1", "machine_slave_sim = 'mute'\nreach_s = 1\n", 3,
-                               "'mute' does not answer"},
+                               "'mute', where thimble-slave-sim should run, does not answer"},
                     BadMachine{"AMissingProgram", "", "machine_slave_sim = 'robot'\n", 1,
                                "thimble-slave-sim is not on 'robot'"},
                     BadMachine{"AnotherVersion", "echo 9.8.7", "machine_slave_sim = 'robot'\n", 1,
@@ -275,7 +279,7 @@ TEST_F(OtherMachinesFail, AStopThatComesWhileAMachineIsAwaitedIsKept) {
     RealRun run = start(session(kShared + "reach_s = 2\nmachine_slave_sim = 'mute'"));
     wait_until([&] { return run.words().find("round trip") != std::string::npos || run.launcher().poll(); });
     run.launcher().signal(SIGQUIT);
-    expect_end(run, 3, "'mute' does not answer");
+    expect_end(run, 3, "'mute', where thimble-slave-sim should run, does not answer");
     EXPECT_FALSE(fs::is_empty(std::getenv("THIMBLE_STOP_DIR")));
 }
 

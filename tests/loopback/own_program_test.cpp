@@ -50,7 +50,7 @@ class OwnProgram : public testing::Test {
     }
     // It waits for as long as a machine that stands still for a moment needs.
     void expect_lost(Role lost, const std::string& words) const {
-        const Outcome outcome = run(lock_step("out") + " --answer-limit 5");
+        const Outcome outcome = run(lock_step("out") + " --answer-limit-s 5");
         EXPECT_EQ(outcome.code, 3);
         EXPECT_THAT(outcome.words, HasSubstr(words));
         const auto rows = read_trial_table(folder_ / "out" / "trials.csv");
@@ -93,7 +93,7 @@ TEST_F(OwnProgram, ThatSpeaksAnotherVersionIsNamed) {
     EXPECT_EQ(outcome.code, 3);
     EXPECT_THAT(
         outcome.words,
-        HasSubstr("slave_sim sends a lock-step message of 96 bytes and version 7, but this program speaks "
+        HasSubstr("slave_sim sends a lock-step message of 96 bytes and version 7, but this program uses "
                   "version 2"));
 }
 
@@ -104,10 +104,10 @@ TEST_F(OwnProgram, WhoseDatagramIsLostEndsTheRunWithTheFlowsName) {
         return fmt::format("self.sent[place] += 1 + (place == {} and self.numbers[place] == 200)", place);
     };
     change(counted, lose_at(19));
-    expect_lost(Role::kNetem, "of the flow 'force for master' from slave_sim to netem 1" + missing);
+    expect_lost(Role::kNetem, "of 'force for master' from slave_sim to netem: 1" + missing);
     fs::remove_all(folder_ / "out");
     change(lose_at(19), lose_at(5));
-    expect_lost(Role::kSlaveSim, "of the flow 'record' from slave_sim to session 1" + missing);
+    expect_lost(Role::kSlaveSim, "of 'record' from slave_sim to session: 1" + missing);
 }
 
 TEST_F(OwnProgram, ThatEndsIsShownWithItsLastWords) {
@@ -126,7 +126,7 @@ TEST_F(OwnProgram, ThatIsAlwaysDueIsNamed) {
     const Outcome outcome = run(lock_step("out"));
     EXPECT_EQ(outcome.code, 3);
     EXPECT_THAT(outcome.words,
-                HasSubstr("lock-step: slave_sim has answered 1001 times in a row that it is due"));
+                HasSubstr("lock-step: slave_sim has asked 1001 times in a row for its next event"));
     EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
 }
 

@@ -99,7 +99,7 @@ TEST(ParticipantProgram, APersonNeedsARealHandleAndGivesConsent) {
     const Outcome simulated = sessions.run({"--consent"});
     EXPECT_EQ(simulated.code, 2);
     EXPECT_THAT(simulated.words, HasSubstr("--attach"));
-    EXPECT_THAT(simulated.words, HasSubstr("[handle] device = \"pointer\""));
+    EXPECT_THAT(simulated.words, HasSubstr("[handle] device to \"pointer\""));
     const Outcome unasked = sessions.run({"--attach"});
     EXPECT_EQ(unasked.code, 2);
     EXPECT_THAT(unasked.words, HasSubstr("--consent"));
@@ -132,7 +132,7 @@ TEST(ParticipantProgram, APersonsSessionIsCutAndGoesOn) {
     resume.emplace_back("--resume");
     const Outcome rest = sessions.run(resume);
     EXPECT_EQ(rest.code, 0) << rest.words;
-    EXPECT_THAT(rest.words, HasSubstr("The written one is used"));
+    EXPECT_THAT(rest.words, HasSubstr("The one in the folder is used"));
     EXPECT_EQ(read_text(sessions.dataset().order(7)), order);
     const auto records = sessions.records();
     ASSERT_EQ(records.size(), 2U) << rest.words;

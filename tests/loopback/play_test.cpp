@@ -32,14 +32,14 @@ std::vector<std::string> play_arguments(const Folder& folder, const PortBlock& p
                                       "[session]\nfixture_jitter_m = 0\n[fixture]\nposition_m = 0.035\n"
                                       "[trial]\ncontact_hold_s = 0.5\n" +
                                           settings + "\n" + kUnprotectedTable);
-    return words_in(fmt::format("play {} --record {} --base-port {} --visual-command thimble-visual",
+    return words_in(fmt::format("play {} --out {} --base-port {} --visual-command thimble-visual",
                                 session.string(), (folder / "out").string(), ports.base()),
                     more);
 }
 
 class PlayedHand {
   public:
-    // --record and ports are the helper's own. The fixture lies 35 mm deep, a contact of half a second beeps.
+    // --out and ports are the helper's own. The fixture lies 35 mm deep, a contact of half a second beeps.
     explicit PlayedHand(const std::vector<std::string>& arguments, const std::string& more_settings = "")
         : sockets_(network_at(ports_.base())),
           hand_(Role::kVisual, 100, {sockets_.outlet(Port::kMasterHand)}),
@@ -296,8 +296,8 @@ TEST(Play, SaysWhatIsWrongAtTheStart) {
     EXPECT_NE(outcome.words.find("no_such_program"), std::string::npos) << outcome.words;
 
     std::ofstream(folder / "trials.csv") << "something\n";
-    outcome = run_to_end(program, {"play", "--base-port", base, "--visual-command", "thimble-visual",
-                                   "--record", folder.write("x", "").parent_path().string()});
+    outcome = run_to_end(program, {"play", "--base-port", base, "--visual-command", "thimble-visual", "--out",
+                                   folder.write("x", "").parent_path().string()});
     EXPECT_EQ(outcome.code, 2);
     EXPECT_NE(outcome.words.find("trials.csv"), std::string::npos) << outcome.words;
 

@@ -15,12 +15,12 @@ using testing::HasSubstr;
 
 class PluginRun : public testing::Test {
   protected:
-    Outcome run(const std::string& plugin, const std::string& keys, const std::string& clock) const {
-        folder_.write(
-            "session.toml",
-            fmt::format("[session]\nmodalities = ['HF']\ndelays_s = [0.05]\n[trial]\ncontact_hold_s = 0.3\n"
-                        "[control]\nplugin = '{}'\n[control.plugin_settings]\n{}\n",
-                        plugin, keys));
+    Outcome run(const std::string& plugin, const std::string& keys, const std::string& clock,
+                const std::string& trial = "contact_hold_s = 0.3") const {
+        folder_.write("session.toml",
+                      fmt::format("[session]\nmodalities = ['HF']\ndelays_s = [0.05]\n[trial]\n{}\n"
+                                  "[control]\nplugin = '{}'\n[control.plugin_settings]\n{}\n",
+                                  trial, plugin, keys));
         return run_thimble(words_in(fmt::format("run {} --base-port {} --clock {} --out {}",
                                                 (folder_ / "session.toml").string(), ports_.base(), clock,
                                                 (folder_ / clock).string())));
@@ -56,7 +56,37 @@ TEST_F(PluginRun, OneInPythonRunsInLockStep) {
 TEST_F(PluginRun, OneThatCrashesIsNamed) {
     const Outcome outcome = run(THIMBLE_PLUGINS "/bad.so", "fault_number = 1", "lock-step");
     EXPECT_EQ(outcome.code, 3);
-    EXPECT_THAT(outcome.words, HasSubstr("bad.so: crashed in sample()"));
+    EXPECT_THAT(outcome.words, HasSubstr("thimble-master ended"));
+    // A sanitizer's report follows, which pushes the line out of the last words.
+    EXPECT_THAT(result("lock-step", "nodes/thimble-master_50ms.log"),
+                HasSubstr("bad.so: crashed in sample()"));
+}
+
+// Zero force, the trial's end and the name.
+TEST_F(PluginRun, OneThatDoesNotComeBackIsNamed) {
+    for (const char* clock : {"wall", "lock-step"}) {
+        const Outcome outcome = run(THIMBLE_PLUGINS "/bad.so", "fault_number = 3", clock);
+        EXPECT_EQ(outcome.code, 1) << clock;
+        EXPECT_THAT(outcome.words, HasSubstr("thimble-master ended")) << clock;
+        EXPECT_THAT(outcome.words, HasSubstr("bad.so: did not return from force()")) << clock;
+    }
+}
+
+// In lock-step this takes too long for a test.
+TEST_F(PluginRun, OneThatIsNotMadeIsNamed) {
+    const Outcome outcome = run(THIMBLE_PLUGINS "/bad.so", "fault_number = 18", "wall");
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.words, HasSubstr("bad.so: did not return from create()"));
+}
+
+// The trial is as short as a session may set it: the test is about the end of the program.
+TEST_F(PluginRun, OneThatDoesNotEndIsNamed) {
+    for (const char* clock : {"wall", "lock-step"}) {
+        const Outcome outcome = run(THIMBLE_PLUGINS "/bad.so", "fault_number = 19", clock, "timeout_s = 1");
+        EXPECT_EQ(outcome.code, 1) << clock;
+        EXPECT_THAT(outcome.words, HasSubstr("bad.so: did not return from destroy()")) << clock;
+        EXPECT_THAT(result(clock, "trials.csv"), HasSubstr("timeout")) << clock;
+    }
 }
 
 TEST_F(PluginRun, OneOfAnotherVersionIsRefused) {

@@ -249,7 +249,7 @@ TEST(RealFaults, AnOutputFolderThatIsDeletedEndsTheTrial) {
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     std::filesystem::remove_all(run.out());
     EXPECT_EQ(run.end(), 1) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("was deleted while it was written"));
+    EXPECT_THAT(run.words(), HasSubstr("was deleted during the run"));
     EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
 }
 
@@ -260,7 +260,7 @@ TEST(Guard, TripsInTheRealProgramAsTheSessionFileSays) {
     session.contact_hold_s = kEndlessHold_s;
     session.more = "[guard]\nenergy_limit_J = 0.001\n";
     RealRun run(session, kLockStep);
-    expect_end(run, 1, EndReason::kSafetyStop, "[guard] energy_limit_J is 0.001");
+    expect_end(run, 1, EndReason::kSafetyStop, "[guard] energy_limit_J = 0.001");
 }
 
 }  // namespace

@@ -172,17 +172,33 @@ TEST_F(SessionOfAUser, CheckSaysWhichTrialsAreMeant) {
         return run_thimble({"check", folder_.write("checked.toml", text).string()}).words;
     };
     EXPECT_THAT(check(std::string(kHome) + kSmall),
-                AllOf(HasSubstr("9 ms; modalities HF, CF"), HasSubstr("thimble run: one participant"),
-                      HasSubstr("thimble study: 4 trials of 2 virtual subjects")));
+                AllOf(HasSubstr("9 ms; modalities HF, CF"),
+                      HasSubstr("thimble run: a session of 6 trials (4 of them for practice)"),
+                      HasSubstr("thimble study: 4 trials with 2 virtual subjects")));
     EXPECT_THAT(check("[session]\ndelays_s = [0.0, 0.1]\n" + std::string(kSmall)),
-                HasSubstr("thimble run: refused: [session] delays_s"));
+                HasSubstr("thimble run: does not accept this session: [session] delays_s"));
     EXPECT_THAT(check("[handle]\ndevice = 'pointer'\n"),
-                HasSubstr("thimble study: refused: [handle] device"));
-    EXPECT_THAT(run_thimble({"check", "paper-experiment-1"}).words, HasSubstr("384 trials of 16"));
+                HasSubstr("thimble study: does not accept this session: [handle] device"));
+    EXPECT_THAT(run_thimble({"check", "paper-experiment-1"}).words, HasSubstr("384 trials with 16"));
     const std::string falcon =
         "[handle]\ndevice = 'falcon'\n[session]\nmodalities = ['HF']\ndelays_s = [0.05]\n";
     EXPECT_THAT(check(falcon), HasSubstr("write energy_limit_J = "));
     EXPECT_THAT(check(falcon + "[guard]\nenergy_limit_J = 9\n"), Not(HasSubstr("energy_limit_J")));
+}
+
+// They may serve another session meanwhile: thimble doctor asks them.
+TEST_F(SessionOfAUser, CheckAsksNoServiceOfADevice) {
+    const std::string file =
+        folder_
+            .write("haply.toml",
+                   "[session]\nsubject = 'human'\n[protocol]\n[handle]\ndevice = 'haply'\nhaply.port = 1\n"
+                   "[cutaneous]\ndevice = 'touchdiver'\ntouchdiver.port = 1\n")
+            .string();
+    const Outcome outcome = run_thimble({"check", file});
+    EXPECT_EQ(outcome.code, 0) << outcome.words;
+    EXPECT_THAT(outcome.words,
+                AllOf(HasSubstr("haply.toml: no errors"), Not(HasSubstr("Haply Inverse Service")),
+                      Not(HasSubstr("nobody listens"))));
 }
 
 }  // namespace

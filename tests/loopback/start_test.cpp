@@ -89,7 +89,7 @@ TEST(Help, NumbersThatAreNoneAreUsageErrors) {
     }
 }
 
-// bash's completions of a program's words, of which the last is being typed.
+// bash's completions of a command line whose last word is incomplete.
 std::string completed(const std::string& program, const std::string& words) {
     const std::string path = "'" + (built_programs() / program).string() + "'";
     std::string function = "_complete_" + program;
@@ -101,7 +101,7 @@ std::string completed(const std::string& program, const std::string& words) {
 }
 
 TEST(Completion, KnowsSubcommandsOptionsAndChoices) {
-    EXPECT_EQ(completed("thimble", "st"), "study stability stop\n");
+    EXPECT_EQ(completed("thimble", "st"), "stop study stability\n");
     EXPECT_EQ(completed("thimble", "log re"), "repair\n");
     EXPECT_EQ(completed("thimble", "run --over"), "--overwrite\n");
     EXPECT_EQ(completed("thimble", "study --order ''"), "shuffled williams\n");
@@ -153,7 +153,7 @@ TEST_F(BadConfiguration, AllMistakesAreSaidAtOnce) {
         const std::string text =
             "[runtime]\npriority = 0\ncore = 'x'\n[network]\nport = 2000\nbase_port = 80\n";
         for (const char* place : {" has 4 errors:", ":2:12: 'runtime.priority' is 0", ":3:8: 'runtime.core'",
-                                  ":5:8: unknown key 'network.port': did you mean 'base_port'?", ":6:13:"})
+                                  ":5:8: unknown key 'network.port': did you mean 'base_port'", ":6:13:"})
             expect_refused(program, text, place);
     }
     expect_refused("thimble-master", "[handle]\ndevice = 'falcon'\n[master]\nposition_scale = 0\n", ":4:18:");
@@ -183,7 +183,7 @@ TEST(Configuration, LettersThatTheWindowsFontLacksAreNamed) {
         const Outcome outcome = run_thimble(command);
         EXPECT_EQ(outcome.code, 2);
         EXPECT_THAT(outcome.words,
-                    HasSubstr("the window's font cannot draw what [instructions] holds: U+13000"));
+                    HasSubstr("the window's font has no characters for these in [instructions]: U+13000"));
     }
     EXPECT_FALSE(std::filesystem::exists(out));
 }

@@ -66,7 +66,7 @@ TEST_F(StepThrough, EndsWithQAsWithCtrlC) {
     Child child = start(kShort);
     typing_.type("0.5\nq\n");
     EXPECT_EQ(child.wait(kPatience), 1);
-    EXPECT_THAT(words(), HasSubstr("interrupted; what was recorded is kept"));
+    EXPECT_THAT(words(), HasSubstr("interrupted; finished trials are kept"));
     EXPECT_EQ(only_row().reason, EndReason::kInterrupted);
     EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
 }
@@ -76,7 +76,7 @@ TEST_F(StepThrough, IsOfLockStepAlone) {
     for (const char* clock : {"wall", "virtual"}) {
         const Outcome outcome = run_thimble({"run", file, "--clock", clock, "--step"});
         EXPECT_EQ(outcome.code, 2);
-        EXPECT_THAT(outcome.words, HasSubstr("--step belongs to --clock lock-step"));
+        EXPECT_THAT(outcome.words, HasSubstr("--step needs --clock lock-step"));
     }
 }
 
@@ -97,7 +97,7 @@ TEST_F(StepThrough, HearsAStopFromAnotherProgram) {
     EXPECT_THAT(words(), HasSubstr("cable loose"));
     EXPECT_EQ(only_row().reason, EndReason::kEmergencyStop);
     EXPECT_EQ(stop.wait(kPatience), 0) << read_text(folder_ / "stop");
-    EXPECT_THAT(read_text(folder_ / "stop"), HasSubstr("held by"));
+    EXPECT_THAT(read_text(folder_ / "stop"), HasSubstr("confirmed by"));
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST(StudyProgram, RemovalsAreRunKeptResumedAndAnalysed) {
     resume.emplace_back("--resume");
     const Outcome again = thimble_with(resume);
     EXPECT_EQ(again.code, 0) << again.words;
-    EXPECT_THAT(again.words, HasSubstr("8 trials were there already"));
+    EXPECT_THAT(again.words, HasSubstr("8 trials were already done"));
     EXPECT_EQ(read_text(folder / "out" / "trials.csv"), table);
     std::filesystem::remove(folder / "out" / "trials_curves.csv");
     const Outcome without_curves = thimble_with(resume);
@@ -68,7 +68,7 @@ TEST(StudyProgram, ClaimsAreJudgedOnlyOfThePapersDesign) {
     const std::string out = (folder / "out").string();
     const Outcome study = thimble_with({"study", "--experiment", "3", "--subjects", "1", "--out", out});
     EXPECT_EQ(study.code, 0) << study.words;
-    EXPECT_THAT(study.words, HasSubstr("1 subject is too few to say how modalities differ"));
+    EXPECT_THAT(study.words, HasSubstr("1 subject is too few for a test between modalities"));
     const auto claims_of = [&](const std::filesystem::path& table) {
         const Outcome analysed = thimble_with({"analyse", table.string(), "--json"});
         EXPECT_EQ(analysed.code, 0) << analysed.words;

@@ -28,7 +28,7 @@ const std::filesystem::path kMpirun = "/usr/bin/mpirun";
 
 std::vector<std::string> map_words(const std::filesystem::path& out, const std::vector<std::string>& more) {
     return words_in(
-        "--hand B --compensator none,wave --jitter-s 0,0.003 --delay-s 0:0.1:3 --gain 0.02:2:4 --out " +
+        "--hand B --compensators none,wave --jitter-s 0,0.003 --delay-s 0:0.1:3 --gain 0.02:2:4 --out " +
             out.string(),
         more);
 }
@@ -108,7 +108,7 @@ TEST(SweepProgram, AMistakeUnderMpirunIsSaidOnce) {
     const Outcome outcome = run_to_end(
         kMpirun, with_ranks(2, built_programs() / "thimble", {"sweep", "--hand", "Z", "--out", "/nowhere"}));
     EXPECT_EQ(outcome.code, 2);
-    const std::string words = "--hand Z: there are A, B, C, D and E";
+    const std::string words = "--hand Z: choose from A, B, C, D and E";
     ASSERT_THAT(outcome.words, HasSubstr(words));
     EXPECT_EQ(outcome.words.find(words), outcome.words.rfind(words));
 }
@@ -136,6 +136,25 @@ TEST(SweepProgram, ARankWithoutTheRowsThatAreThereRefuses) {
     EXPECT_THAT(outcome.words, ContainsRegex("rank 1 on .* has 48 items of plan .*, rank 0 has 2. items"));
 }
 
+// Two machines with another file of the same name would mix two sessions in one table.
+TEST(SweepProgram, ARankWithAnotherSessionRefuses) {
+    SKIP_WITHOUT_MPI();
+    const Folder folder;
+    folder.write("one.toml", "[master]\nforce_scale = 1\n");
+    folder.write("other.toml", "[master]\nforce_scale = 2\n");
+    for (const char* command : {"compensators --subjects 1 --only HF --delays-s 0",
+                                "study --seeds 2 --subjects 2 --experiment 3"}) {
+        const auto words = [&](const std::string& file) {
+            return words_in(
+                fmt::format("{} {} --out {}", command, (folder / file).string(), (folder / "out").string()));
+        };
+        const Outcome outcome = on_two_machines(words("one.toml"), words("other.toml"));
+        EXPECT_EQ(outcome.code, 2) << command;
+        EXPECT_THAT(outcome.words, ContainsRegex("rank 1 on .* has .* items of plan .*, rank 0 has"))
+            << command;
+    }
+}
+
 // Before the ranks have joined, and after.
 TEST(SweepProgram, ARankThatFailsAloneEndsTheJobAndIsNamed) {
     SKIP_WITHOUT_MPI();
@@ -145,7 +164,7 @@ TEST(SweepProgram, ARankThatFailsAloneEndsTheJobAndIsNamed) {
     const Outcome before =
         on_two_machines(sweep(map_words(folder / "map", {})), sweep({"--hand", "Z", "--out", "/nowhere"}));
     EXPECT_EQ(before.code, 2);
-    EXPECT_THAT(before.words, ContainsRegex("rank 1 on .*--hand Z: there are A, B, C, D and E"));
+    EXPECT_THAT(before.words, ContainsRegex("rank 1 on .*--hand Z: choose from A, B, C, D and E"));
     const Outcome after = on_two_machines(sweep(map_words(folder / "map", {})), sweep(map_words(full, {})));
     EXPECT_EQ(after.code, 1);
     EXPECT_THAT(after.words, ContainsRegex("rank 1 on .*holds a map already"));
@@ -180,7 +199,7 @@ TEST(SweepProgram, RanksAndThreadsMakeTheSameTrialsAndRows) {
 TEST(SweepProgram, TheVirtualOperatorsCells) {
     const Folder folder;
     const Outcome outcome =
-        run_thimble({"sweep", "--operator", "virtual", "--compensator", "none,CF", "--delay-s", "0.05",
+        run_thimble({"sweep", "--operator", "virtual", "--compensators", "none,CF", "--delay-s", "0.05",
                      "--gain", "1", "--loss", "0.01", "--out", (folder / "map").string()});
     ASSERT_EQ(outcome.code, 0) << outcome.words;
     const std::string table = read_text(folder / "map/map.csv");

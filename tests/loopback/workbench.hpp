@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/network_settings.hpp"
@@ -41,6 +42,13 @@ class Folder {
 // A command line: the words of `line`, which spaces part, and then `more`.
 std::vector<std::string> words_in(const std::string& line, const std::vector<std::string>& more = {});
 
+// A socket on that UDP port of 127.0.0.1. Throws Error (network) if another program has it.
+std::unique_ptr<UdpChannel> listen_at(unsigned port);
+
+// The first number below `count`, from one of this process's own on, for which `claim` gives a socket and throws no Error.
+std::pair<unsigned, std::unique_ptr<UdpChannel>> first_free(
+    unsigned count, const std::function<std::unique_ptr<UdpChannel>(unsigned)>& claim);
+
 // UDP ports of 127.0.0.1 for two conditions that were free when this object was made. A socket on the last one
 // of the block keeps tests that run side by side apart.
 class PortBlock {
@@ -57,7 +65,7 @@ class PortBlock {
 inline const SecuritySettings kUnprotected{SecurityMode::kNone, false, {}, {}};
 inline constexpr const char* kUnprotectedTable = "[security]\nmode = 'none'\n";
 NetworkSettings network_at(std::uint16_t base_port, const SecuritySettings& security = kUnprotected);
-// The table of a session file or of a node's settings.
+// The table of a session file or of a node's settings. Makes the key, if it is not there.
 std::string under_lab_key(const std::filesystem::path& key);
 
 // The lines that a person types at a program: a pipe to its standard input.

@@ -48,7 +48,7 @@ def test_every_kind_of_link_comes_to_an_end(profile):
     assert numpy.isfinite(arrivals).sum() == link.counters["delivered"] - link.counters["duplicated"]
 
 
-@pytest.mark.parametrize("keys, words", [({"delay": 1}, "did you mean 'delay_s'"), ({"loss": 2}, "loss"), ({"loss": None}, "is no number"),
+@pytest.mark.parametrize("keys, words", [({"delay": 1}, "did you mean 'delay_s'"), ({"loss": 2}, "loss"), ({"loss": None}, "is no number, text"),
                                          ({"delay_s": 2**70}, f"{2**70}: is no whole number of 64 bits"),
                                          ({"way": "left"}, "must be"), ({"profile": 'no "such'}, "no")])
 def test_wrong_settings_are_refused_by_name(keys, words):

@@ -152,6 +152,26 @@ def test_episodes_of_a_seed_are_the_same():
     assert numpy.array_equal(runs[0], runs[1]) and numpy.any(runs[0][-1] != runs[0][0])
 
 
+def test_a_board_has_the_rows_of_the_program(tmp_path):
+    words = ["board", "--quick", "--only", "HF,every-sample,0ms,50ms", "--seed", 3, "--out", tmp_path / "program"]
+    program(*words)
+    frame = thimble.board(only=["HF", "every-sample", "0ms", "50ms"], trials=5, seed=3, out=tmp_path / "python")
+    assert (tmp_path / "python/board.csv").read_bytes() == (tmp_path / "program/board.csv").read_bytes()
+    pandas.testing.assert_frame_equal(frame, thimble.read_board(tmp_path / "program"))
+    assert list(frame.controller) == ["HF", "HF"] and set(frame.status) == {"ok"} and set(frame.trials) == {5}
+    with pytest.raises(thimble.UsageError, match="python"):
+        thimble.board(only=["HF"], out=tmp_path / "python")
+    with pytest.raises(thimble.UsageError, match="no-such"):
+        thimble.board(only=["no-such"])
+
+
+def test_frames_say_what_they_need(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    for call in (thimble.study, thimble.board, lambda: thimble.read_board("nowhere")):
+        with pytest.raises(ImportError, match="python3-pandas"):
+            call()
+
+
 def test_gymnasiums_own_checker_agrees():
     checker = pytest.importorskip("gymnasium.utils.env_checker", reason="there is no gymnasium, which Debian 12 does not have")
     checker.check_env(thimble.NeedleEnv("CF"), skip_render_check=True)

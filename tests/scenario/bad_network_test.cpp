@@ -131,7 +131,7 @@ TEST(LossyNetwork, ASilentSessionStopsTheNodes) {
 }
 
 // A network that duplicates, reorders, loses, truncates and flips bits on every wire, and nodes that come
-// back as somebody else: a trial completes or ends cleanly, the record holds only numbers, and the counters
+// back as another program: a trial completes or ends cleanly, the record holds only numbers, and the counters
 // say what happened.
 // Probabilities, per datagram.
 struct Malice {

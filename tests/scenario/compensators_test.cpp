@@ -48,7 +48,7 @@ TEST(Compensators, EachCompletesAt50msWithoutTheOscillationOfTheHandle) {
     }
 }
 
-// The hand stands further than the needle by force x delay / 2b; nothing else lets go of it.
+// The hand stands further than the needle by force x delay / 2b with waves only.
 TEST(Compensators, OnlyWavesLetHandAndNeedleApart) {
     for (const CompensatorRow& row : compare({"wave", "two-layer", "local-fixture"}, {0.05}, 2)) {
         EXPECT_EQ(row.drift_needle_m > 0.5e-3, row.name == "wave") << row.name << ' ' << row.drift_needle_m;
@@ -116,7 +116,7 @@ TEST(Compensators, TheTableOfTrialsIsGoneOnWith) {
     std::vector<CompensatorTrial> trials = plan_compensator_trials(paper(), options);
     ASSERT_EQ(trials.size(), 4U);
     {
-        CompensatorTrialTable table(path, IfExists::kReplace, conditions, trials);
+        CompensatorTrialTable table(path, conditions, trials);
         run_compensator_trials(paper(), options, trials,
                                [&](const CompensatorTrial& trial) { table.append(trial); });
     }
@@ -124,7 +124,7 @@ TEST(Compensators, TheTableOfTrialsIsGoneOnWith) {
     std::ofstream(path, std::ios::binary) << whole.substr(0, whole.rfind(',', whole.size() - 40));
     std::vector<CompensatorTrial> again = plan_compensator_trials(paper(), options);
     {
-        CompensatorTrialTable table(path, IfExists::kContinue, conditions, again);
+        CompensatorTrialTable table(path, conditions, again);
         ASSERT_EQ(table.done(), 3U);
         run_compensator_trials(paper(), options, std::span(again).subspan(3),
                                [&](const CompensatorTrial& trial) { table.append(trial); });
@@ -135,7 +135,7 @@ TEST(Compensators, TheTableOfTrialsIsGoneOnWith) {
     options.networks = plain_networks({0.02});
     std::vector<CompensatorTrial> other = plan_compensator_trials(paper(), options);
     std::ofstream(path, std::ios::binary | std::ios::app) << "wave,";
-    EXPECT_THROW(CompensatorTrialTable(path, IfExists::kContinue, conditions, other), Error);
+    EXPECT_THROW(CompensatorTrialTable(path, conditions, other), Error);
     EXPECT_EQ(read_text(path), whole + "wave,");
 }
 

@@ -1,4 +1,5 @@
-// A person's pointer instead of the virtual operator: a scripted hand that advances, presses, holds, withdraws. Delay changes HF, and not CF and VF, with the model's own contact and the study's own measure.
+// A person's pointer instead of the virtual operator: a scripted hand that advances, presses, holds, withdraws. Delay
+// changes HF, and not CF and VF, with the model's own contact and the study's own measure.
 #include <algorithm>
 #include <cmath>
 

@@ -199,7 +199,8 @@ TEST(StaleInput, TheHandleFollowsThePolicy) {
         EXPECT_EQ(rig.force_at_handle_N(), mode == StaleMode::kHold ? held_N : 0);
         rig.finish();
         EXPECT_EQ(rig.force_at_handle_N(), 0) << "the trial is over";
-        // Each output that missed it says so, and how long: to the trial's end, 500 ms after the last heartbeat or input.
+        // Each output without input reports for how long: to the trial's end, 500 ms after the last heartbeat or
+        // input.
         ASSERT_EQ(rig.master().stale_record().trials(), 1U);
         const StaleRecord::Trial acted = rig.master().stale_record().known().front();
         EXPECT_EQ(acted.trial, 1U);

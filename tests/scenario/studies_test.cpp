@@ -15,7 +15,6 @@
 #include "common/error.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "study/study.hpp"
-#include "study/sweeps/joint_draws.hpp"
 #include "study/sweeps/seed_sweep.hpp"
 #include "study/sweeps/variation.hpp"
 #include "tests/scenario/trials.hpp"

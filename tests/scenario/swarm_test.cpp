@@ -2,12 +2,12 @@
 #include "study/swarm/swarm.hpp"
 
 #include <cstdlib>
+#include <map>
 #include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "study/swarm/shrink.hpp"
 #include "tests/loopback/workbench.hpp"
 
 namespace thimble {
@@ -25,9 +25,10 @@ std::string all_text(const SwarmResult& result) {
 SwarmResult swarm(std::uint64_t seed, std::uint64_t trials, const BreakForce& break_force = {}) {
     SwarmOptions options;
     options.seed = seed;
-    options.trials = trials;
+    options.cases = trials;
     options.break_force = break_force;
     options.most_failures = 1;
+    if (!break_force) options.plugin = THIMBLE_PLUGINS "/mine.so";
     return run_swarm(options);
 }
 
@@ -41,6 +42,52 @@ TEST(Swarm, NoDrawnSessionBreaksAnInvariant) {
     EXPECT_EQ(result.cases, trials);
     for (std::size_t kind = 0; kind < result.faults.size() && trials >= 500; ++kind)
         EXPECT_GT(result.faults.at(kind), 0U) << kFaultNames.at(kind);
+}
+
+// Cases that the swarm once took for broken, after shrinking.
+SwarmCase case_of(std::uint64_t seed, DrawnKeys keys, std::vector<SwarmFault> faults = {}) {
+    return {seed, std::move(keys), std::move(faults)};
+}
+
+SwarmFault fault_of(FaultKind kind, Role role, Port port, double at_s, double length_s, double value) {
+    return {kind, role, port, SessionTime{from_seconds(at_s)}, from_seconds(length_s), value};
+}
+
+SwarmOutcome run(SwarmCase one) {
+    const std::size_t given = one.keys.size();
+    SwarmOutcome outcome = run_case(one);
+    EXPECT_EQ(one.keys.size(), given) << "a reader refused a key, so this was another case";
+    EXPECT_FALSE(outcome.violation) << outcome.violation->text << '\n' << case_text(one);
+    return outcome;
+}
+
+// slave_sim's forces and its hold are beyond what a message may say, so every node refuses them.
+TEST(Swarm, ALoopThatDivergesIsNotANeedleThatIsNotHeld) {
+    const SwarmOutcome outcome =
+        run(case_of(3016489, {{"operator.reflex_gain", "2"}, {"session.delays_s", "[0.05]"}}));
+    EXPECT_EQ(outcome.ends, std::vector{EndReason::kPeerLost});
+}
+
+// Forces that came late were dropped, but the one before them never faded. The node was wrong, not the check.
+TEST(Swarm, AForceFadesAlsoWhereAllOthersComeLate) {
+    run(case_of(4091285, {{"codec.command", "\"send-on-delta\""},
+                          {"master.stale_after_s", "0.00366711"},
+                          {"netem.needle.timeline[].at_s", "0.00452909"},
+                          {"netem.needle.timeline[].slot_most_s", "0.0450596"}}));
+}
+
+// A copy of a command becomes a new command.
+TEST(Swarm, ACopyOfACommandWithFlippedBitsGivesNoSecondSample) {
+    run(case_of(3017903,
+                {{"netem.needle.timeline[].duplicate", "1"}, {"netem.needle.timeline[].at_s", "0.00360275"}},
+                {fault_of(FaultKind::kCorrupt, {}, Port{14}, 1.354, 0.2879, 0.438)}));
+}
+
+// It holds no needle before its first command.
+TEST(Swarm, ASlaveThatHasRestartedMayWaitForACommand) {
+    run(case_of(3095407, {},
+                {fault_of(FaultKind::kRestart, Role::kSlaveSim, {}, 1.0232, 0.1341, 0.3522),
+                 fault_of(FaultKind::kRestart, Role::kCutaneous, {}, 0, 1.5814, 0.337)}));
 }
 
 // The device gives more than the command, with a compensator. The smallest case has that key and no fault.
@@ -65,7 +112,7 @@ TEST(Swarm, FindsAForceThatStays) {
         return last_N;
     };
     SwarmOptions options;
-    options.trials = 50;
+    options.cases = 50;
     options.most_failures = 1;
     options.jobs = 1;
     options.break_force = broken;
@@ -127,7 +174,7 @@ TEST(Swarm, WritesTheSmallestSessionThatFails) {
     const Folder folder;
     SwarmOptions options;
     options.out = folder / "swarm";
-    options.trials = 30;
+    options.cases = 30;
     options.most_failures = 1;
     options.break_force = [](const SystemSettings&, double force_N) { return force_N + 1; };
     const SwarmResult result = run_swarm(options);
@@ -141,6 +188,20 @@ TEST(Swarm, TheManualHasEveryRule) {
     const std::string manual = read_text(std::filesystem::path(THIMBLE_SOURCE_DIR) / "docs/safety.md");
     for (const Invariant& rule : kInvariants)
         EXPECT_THAT(manual, HasSubstr(fmt::format("| `{}` | {} |", rule.name, rule.text)));
+}
+
+TEST(DrawnKeys, SomeSessionsHaveACodecOrAPlugin) {
+    const auto keys = drawable_keys(THIMBLE_PLUGINS "/mine.so");
+    std::map<std::string, int> drawn;
+    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+        SwarmCase one = draw_case(keys, seed);
+        const SystemSettings settings = settings_of(one.keys);
+        for (const HapticCodec codec : {settings.master.codec.command, settings.master.codec.force})
+            ++drawn[std::string(kHapticCodecNames.at(static_cast<std::size_t>(codec)))];
+        if (settings.master.control.compensator == Compensator::kPlugin) ++drawn["plug-in"];
+    }
+    for (const std::string_view name : kHapticCodecNames) EXPECT_GT(drawn[std::string(name)], 3) << name;
+    EXPECT_GT(drawn["plug-in"], 5);
 }
 
 TEST(DrawnKeys, AKeyThatAReaderAsksForIsDrawnToo) {

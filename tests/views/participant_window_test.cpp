@@ -38,7 +38,7 @@ constexpr const char* kPages =
 
 class SessionWithAMouse : public OnAScreen {
   protected:
-    // Where nobody types.
+    // Without a keyboard.
     Child start(const std::string& more = "--consent", const char* session = kMouseSession) const {
         folder_.write("pages.toml", kPages);
         const std::string command = "exec " THIMBLE_BIN_DIR "/thimble run " +

@@ -84,8 +84,8 @@ class PlayInAWindow : public OnAScreen {
 TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAll) {
     const auto out = folder_ / "played";
     Child play(kThimble,
-               {"play", a_slow_window(folder_), "--modality", "HF", "--delay-s", "0", "--record",
-                out.string(), "--base-port", std::to_string(ports_.base()), "--seconds", "300"},
+               {"play", a_slow_window(folder_), "--modality", "HF", "--delay-s", "0", "--out", out.string(),
+                "--base-port", std::to_string(ports_.base()), "--seconds", "300"},
                folder_ / "words");
     ASSERT_TRUE(screen_->wait_for_window("Thimble")) << read_text(folder_ / "words");
     const auto first = out / "trajectories" / "trial01_HF_0ms.csv";

@@ -18,7 +18,7 @@ class PlayerWindow {
   public:
     PlayerWindow() : window_(settings()), gui_(window_) {}
 
-    // So many seconds at 30 frames per second, the session talking if it does.
+    // Runs at 30 frames per second; `talking`: the session sends.
     void run(double seconds, bool talking = true) {
         const SessionTime until = wall_now() + from_seconds(seconds);
         while (wall_now() < until) {

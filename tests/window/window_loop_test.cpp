@@ -35,7 +35,7 @@ class WindowLoopTest : public OnAScreen {
     // A person's keys and mouse, by xdotool.
     bool person(WindowLoop& loop, const std::vector<std::string>& words) const {
         Child tool("xdotool", words, screen_->folder() / "xdotool");
-        for (int i = 0; i < 200 && !tool.poll(); ++i) loop.turn();  // who moves waits for who shows
+        for (int i = 0; i < 20'000 && !tool.poll(); ++i) loop.turn();  // who moves waits for who shows
         return tool.poll() == 0;
     }
 };

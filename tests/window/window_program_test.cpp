@@ -16,13 +16,12 @@ namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 using testing::HasSubstr;
 
 constexpr const char* kProgram = THIMBLE_BIN_DIR "/thimble-visual";
 
 bool wait_for_words(const std::filesystem::path& log, const std::string& words) {
-    return wait_until([&] { return read_text(log).find(words) != std::string::npos; }, seconds{10});
+    return wait_until([&] { return read_text(log).find(words) != std::string::npos; }, kPatience);
 }
 
 TEST(WindowProgram, RefusesToStartWithoutScreen) {
@@ -31,7 +30,7 @@ TEST(WindowProgram, RefusesToStartWithoutScreen) {
     const Folder folder;
     const PortBlock ports;
     Child visual(kProgram, {"--window", "--base-port", std::to_string(ports.base())}, folder / "log");
-    EXPECT_EQ(visual.wait(seconds{20}), 2);
+    EXPECT_EQ(visual.wait(kPatience), 2);
     EXPECT_THAT(read_text(folder / "log"), HasSubstr("no screen: DISPLAY and WAYLAND_DISPLAY are not set"));
 }
 
@@ -41,12 +40,12 @@ TEST_F(WindowProgramOnAScreen, ReportsItsFramesAndEndsBySignal) {
     const auto report = screen_->folder() / "report.json";
     const PortBlock ports;
     Child visual(kProgram,
-                 {"--view", "player", "--base-port", std::to_string(ports.base()), "--report", report},
+                 {"--role", "player", "--base-port", std::to_string(ports.base()), "--report", report},
                  screen_->folder() / "log");
     ASSERT_TRUE(wait_for_words(screen_->folder() / "log", "ready"));
     wall_sleep(milliseconds{500});
     visual.signal(SIGTERM);
-    ASSERT_EQ(visual.wait(seconds{20}), 0) << visual.last_lines();
+    ASSERT_EQ(visual.wait(kPatience), 0) << visual.last_lines();
     const auto json = nlohmann::json::parse(read_text(report));
     EXPECT_EQ(json["window"]["end"], "asked");
     EXPECT_GT(json["window"]["frames"], 2);
@@ -61,11 +60,11 @@ TEST_F(WindowProgramOnAScreen, OutlivesItsScreen) {
     ASSERT_TRUE(wait_for_words(screen_->folder() / "log", "ready"));
     wall_sleep(milliseconds{300});
     screen_->kill();
-    EXPECT_TRUE(wait_for_words(screen_->folder() / "log", "the node goes on"));
+    EXPECT_TRUE(wait_for_words(screen_->folder() / "log", "the program continues"));
     wall_sleep(milliseconds{300});
     EXPECT_FALSE(visual.poll()) << "it has ended: " << visual.last_lines();
     visual.signal(SIGTERM);
-    EXPECT_EQ(visual.wait(seconds{20}), 0) << visual.last_lines();
+    EXPECT_EQ(visual.wait(kPatience), 0) << visual.last_lines();
     EXPECT_EQ(nlohmann::json::parse(read_text(report))["window"]["end"], "screen_lost");
 }
 
@@ -86,7 +85,7 @@ TEST_F(WindowProgramOnAScreen, ItsStopKeyStopsASessionUnderALabKey) {
     ASSERT_TRUE(wait_for_words(trajectory, "\n0.2")) << run.last_lines();
     ASSERT_TRUE(screen_->wait_for_window("Thimble"));
     ASSERT_TRUE(screen_->press("BackSpace"));
-    EXPECT_EQ(run.wait(seconds{40}), 1) << run.last_lines();
+    EXPECT_EQ(run.wait(kPatience), 1) << run.last_lines();
     EXPECT_THAT(read_text(folder / "log"), HasSubstr("the stop key at the subject's screen"));
     EXPECT_THAT(read_text(folder / "out/trials.csv"), HasSubstr("emergency_stop"));
     const auto report = nlohmann::json::parse(read_text(folder / "out/nodes/thimble-visual_0ms.json"));

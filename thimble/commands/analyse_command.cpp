@@ -10,8 +10,8 @@
 
 #include "analysis/claims/claims.hpp"
 #include "analysis/findings.hpp"
-#include "analysis/report/order_tables.hpp"
 #include "analysis/report/report.hpp"
+#include "analysis/report/report_tables.hpp"
 #include "common/json_text.hpp"
 #include "session/participant/counted_trials.hpp"
 #include "session/records/trial_table.hpp"
@@ -116,17 +116,22 @@ Subcommand add_analyse(CLI::App& app) {
     const auto arguments = std::make_shared<AnalyseArguments>();
     AnalyseArguments& a = *arguments;
     CLI::App* analyse = app.add_subcommand(
-        "analyse", "which conditions oscillate and how they differ, from a table of trials");
+        "analyse", "find which conditions oscillate and how they differ, in a table of trials");
     analyse
-        ->add_option("table", a.table, "a trials.csv, a folder that holds one, or a dataset of participants")
+        ->add_option("table", a.table,
+                     "a trials.csv, a folder that holds one, or a folder with participants' data")
         ->required();
-    analyse->add_option("-o,--out", a.out,
-                        "folder for findings.json (and claims.json, if the design is the paper's), or the "
-                        "findings' file, which ends in .json");
-    analyse->add_flag("--json", a.json, "print answer, findings and claims as JSON on stdout");
+    analyse
+        ->add_option("-o,--out", a.out,
+                     "folder for findings.json (and claims.json, if the trials are the paper's), or a file "
+                     "for the findings, which ends in .json")
+        ->type_name("FOLDER|FILE");
+    analyse->add_flag("--json", a.json,
+                      "print answer, findings and claims as JSON on stdout, instead of text");
     analyse->footer(
         "Examples:\n  thimble analyse out/study --out out/analysis\n"
-        "  thimble analyse out/study/trials.csv --json");
+        "  thimble analyse out/study/trials.csv --json\n"
+        "Manual: docs/studies.md");
     return {analyse, [arguments] { return analyse_table(*arguments); }};
 }
 

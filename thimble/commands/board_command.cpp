@@ -13,9 +13,10 @@
 
 #include "common/error.hpp"
 #include "common/process/sandbox.hpp"
+#include "common/runtime/command_line.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "study/board/board_report.hpp"
-#include "study/board/board_run.hpp"
+#include "study/board/board_row.hpp"
 #include "study/board/plugin_check.hpp"
 #include "study/ranks/ranks.hpp"
 #include "thimble/commands/commands.hpp"
@@ -32,7 +33,8 @@ struct BoardArguments {
     std::uint64_t seed = 1;
     unsigned jobs = 0;
     std::string check;
-    bool quick = false, overwrite = false, resume = false, sandbox = false, json = false;
+    IfExists if_exists = IfExists::kRefuse;
+    bool quick = false, sandbox = false, json = false;
 };
 
 BoardPlan plan_of(const BoardArguments& a) {
@@ -94,62 +96,66 @@ int board(const BoardArguments& a) {
     if (!a.check.empty()) return check(a);
     const BoardPlan plan = plan_of(a);
     install_stop_signals();
-    const IfExists fresh = a.overwrite ? IfExists::kReplace : IfExists::kRefuse;
-    const BoardOptions options{join_ranks(a.out), a.resume ? IfExists::kContinue : fresh, a.jobs,
-                               &stop_requested()};
+    const BoardOptions options{join_ranks(a.out), a.if_exists, a.jobs, &stop_requested()};
     const bool complete = run_board(plan, options);
     if (own_rank() > 0) return static_cast<int>(ExitCode::kOk);
     if (!complete) {
-        spdlog::error("interrupted; the rows that were done are kept: go on with --resume");
+        spdlog::error("interrupted: the finished rows are saved; continue with --resume");
         return static_cast<int>(ExitCode::kRunFailed);
     }
     const std::vector<BoardRow> rows = read_board_rows(options.out / "board.csv");
     write_board_report(plan, rows, board_command(a), {{"commit", source_commit()}}, options.out);
     say_ranks(rows);
-    fmt::print("report: {}\n", (options.out / "board.html").string());
+    fmt::print("results: {}\n", (options.out / "board.html").string());
     return say_failures(rows);
 }
 
 void add_options(CLI::App& sub, BoardArguments& a) {
     sub.add_option("-o,--out", a.out, "folder for board.html, board.csv, board.json and figures/")
-        ->capture_default_str();
-    sub.add_flag("--quick", a.quick, "5 trials for each row instead of 30");
-    sub.add_option("--plugin", a.plugins, "one more controller, from this file; may be repeated")
+        ->capture_default_str()
+        ->type_name("FOLDER");
+    sub.add_flag("--quick", a.quick, "run 5 trials for each row instead of 30");
+    sub.add_option(
+           "--plugin", a.plugins,
+           "also compare the controller in this file (shared library or Python); may be given several times")
         ->allow_extra_args(false)
         ->type_name("FILE");
     CLI::Option* const checked =
-        sub.add_option("--check", a.check,
-                       "does this controller keep the rules of thimble/controller.h? No board")
+        sub.add_option(
+               "--check", a.check,
+               "compare nothing; test whether the controller in this file (shared library or Python) keeps "
+               "the rules of thimble/controller.h")
             ->type_name("FILE");
-    sub.add_flag("--json", a.json, "the findings of --check as JSON")->needs(checked);
-    sub.add_flag(
-        "--sandbox", a.sandbox,
-        "run inside bubblewrap: plug-ins write in the output folder alone, without network, /run and /tmp");
-    sub.add_option("--only", a.only, "these controllers, codecs and conditions alone, e.g. HF,wave,50ms")
+    sub.add_flag("--json", a.json, "print the results of --check as JSON on stdout, instead of text")
+        ->needs(checked);
+    sub.add_flag("--sandbox", a.sandbox,
+                 "run plug-ins inside bubblewrap: they can write only to the folder of --out, and have no "
+                 "network, no /run and no /tmp");
+    sub.add_option("--only", a.only,
+                   "compare only these controllers, codecs and conditions, e.g. HF,wave,50ms")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->type_name("NAME,...");
-    sub.add_option("--seed", a.seed, "of subjects, fixtures and networks")->capture_default_str();
-    sub.add_option("-j,--jobs", a.jobs, "threads; 0: one per core. The results do not depend on it")
-        ->check(CLI::Range(0, 1024));
-    CLI::Option* const overwrite =
-        sub.add_flag("--overwrite", a.overwrite, "replace an earlier board in that folder");
-    sub.add_flag("--resume", a.resume, "go on where an interrupted board ended; the same bytes come out")
-        ->excludes(overwrite);
+    sub.add_option("-s,--seed", a.seed, "seed of subjects, fixtures and networks")->capture_default_str();
+    add_jobs_option(sub, a.jobs);
+    add_resume_options(sub, a.if_exists, "board");
 }
 
 }  // namespace
 
 Subcommand add_board(CLI::App& app) {
     const auto arguments = std::make_shared<BoardArguments>();
-    CLI::App* sub =
-        app.add_subcommand("board", "controllers and codecs, built in or plugged in, in the same conditions");
+    CLI::App* sub = app.add_subcommand(
+        "board", "compare controllers and codecs, built in or your own, in the same conditions");
     add_options(*sub, *arguments);
     sub->footer(
+        "Prints one line per contestant: its Pareto front (1: no other one is better in everything) and the "
+        "number of conditions in which it is stable.\n"
         "Examples:\n  thimble board --out out/board\n"
         "  thimble board --quick --seed 7 --out out/quick\n"
         "  thimble board --check ./mine.so\n"
-        "  thimble board --plugin ./mine.so --only mine,wave --out out/mine");
+        "  thimble board --plugin ./mine.so --only mine,wave --out out/mine\n"
+        "Manual: docs/howto/controller.md");
     return {sub, [arguments] { return board(*arguments); }, true};
 }
 

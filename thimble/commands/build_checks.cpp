@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "session/launch/ros2_programs.hpp"
 #include "thimble/commands/shared.hpp"
 #ifdef THIMBLE_GUI
 #include "visual_node/window/gui_layer.hpp"
@@ -34,20 +35,11 @@ void check_driver(const LaunchSettings& launch, Role role, const char* device) {
 
 }  // namespace
 
-std::filesystem::path ros2_master() {
-    auto master = program_folder() / "thimble-ros2-master";
-    if (std::filesystem::exists(master)) return master;
-    throw Error(
-        ExitCode::kUsage,
-        "[handle] device = \"ros2\" needs {}, which is not there: install the package thimble-ros2, or "
-        "build with -DTHIMBLE_ROS2=ON",
-        master.string());
-}
-
 void check_build(const SystemSettings& settings) {
     check_driver(settings.launch, Role::kMaster, driven_handle(settings.handle.kind));
-    const bool ros2 = settings.handle.kind == HandleKind::kRos2;
-    if (ros2 && settings.launch.own_program(Role::kMaster).empty()) ros2_master();
+    for (const Ros2Program& ros2 : ros2_programs(settings)) {
+        if (settings.launch.own_program(ros2.role).empty()) path_of(ros2);
+    }
     const bool board = settings.cutaneous.device == FingertipDevice::kBoard;
     check_driver(settings.launch, Role::kCutaneous, board ? "[cutaneous] device = \"board\"" : nullptr);
 #ifdef THIMBLE_GUI

@@ -35,13 +35,15 @@ std::string conditions_text(const SessionPlan& plan) {
 std::string run_text(const SystemSettings& settings) {
     const SessionPlan& plan = settings.plan;
     if (settings.protocol) {
-        return fmt::format("one participant's session of {} trials ({} of them for practice), of {} planned",
-                           plan_order(settings, 1).size(), settings.protocol->practice_trials,
-                           settings.protocol->subjects);
+        return fmt::format(
+            "a session of {} trials ({} of them for practice) with one of {} planned participants",
+            plan_order(settings, 1).size(), settings.protocol->practice_trials, settings.protocol->subjects);
     }
     if (plan.kind == SubjectKind::kHuman)
-        throw Error(ExitCode::kUsage, "a person's session needs a table [protocol]");
-    return fmt::format("{} trials, one for each delay and modality, of virtual subject {}",
+        throw Error(ExitCode::kUsage,
+                    "[session] subject names a person, so the file needs a table [protocol]: add it "
+                    "(docs/real-subjects.md)");
+    return fmt::format("{} trials, one for each delay and modality, with virtual subject {}",
                        plan.delays.size() * plan.modalities.size(), plan.subject);
 }
 
@@ -51,8 +53,9 @@ std::string study_text(const SystemSettings& settings, bool paper) {
     const std::vector<Protocol> protocols = session_protocols(settings);
     for (const Protocol& protocol : protocols)
         trials += std::uint64_t{protocol.subjects} * subject_trials(protocol, 1).size();
-    return fmt::format("{} trials of {} virtual subject{}{}", trials, protocols[0].subjects,
-                       protocols[0].subjects == 1 ? "" : "s", paper ? ", judged by the paper's claims" : "");
+    return fmt::format("{} trials with {} virtual subject{}{}", trials, protocols[0].subjects,
+                       protocols[0].subjects == 1 ? "" : "s",
+                       paper ? ", and a test of the paper's claims" : "");
 }
 
 // A line for each command, which says the same as the command: also why it refuses the session.
@@ -60,14 +63,16 @@ void say(const char* command, const std::function<std::string()>& text) {
     try {
         fmt::print("thimble {}: {}\n", command, text());
     } catch (const Error& refusal) {
-        fmt::print("thimble {}: refused: {}\n", command, refusal.what());
+        fmt::print("thimble {}: does not accept this session: {}\n", command, refusal.what());
     }
 }
 
 // The file is good; whether this machine suits a person's session is another question, which thimble doctor answers by its exit code.
 void say_for_person(const SystemSettings& settings) {
     Facts facts;
-    gather_session(ConfigFile::load(settings.file), settings, facts.session);
+    const ConfigFile file = ConfigFile::load(settings.file);
+    gather_session(file, settings, facts.session);
+    facts.ros2 = gather_ros2(file, settings);
     facts.devices = gather_devices("/");
     facts.screen = gather_screen();
     facts.sound = gather_sound();
@@ -77,9 +82,9 @@ void say_for_person(const SystemSettings& settings) {
     const bool delayed = settings.plan.delays != std::vector{Duration{0}};
     if (delayed && settings.protocol && settings.protocol->repeat_timeouts)
         spdlog::warn(
-            "[protocol] repeat_timeouts = true repeats the trials that oscillate to the end of their time, "
-            "and "
-            "so selects trials: with a delay, set it to false");
+            "[protocol] repeat_timeouts = true also repeats trials that time out because they oscillate. "
+            "With "
+            "a delay the results then lack such trials: set it to false");
 }
 
 int check_config(const std::string& config) {
@@ -88,7 +93,7 @@ int check_config(const std::string& config) {
     const bool paper = is_paper_session(settings.file);  // reads the file: if that fails, no command refuses
     for (const std::string& warning : named_modalities(settings.pages.instructions)) spdlog::warn(warning);
     if (const std::string warning = energy_warning(settings); !warning.empty()) spdlog::warn(warning);
-    fmt::print("{}: good\n{}\n", config, conditions_text(settings.plan));
+    fmt::print("{}: no errors\n{}\n", config, conditions_text(settings.plan));
     say("run", [&] { return run_text(settings); });
     say("study", [&] { return study_text(settings, paper); });
     if (settings.plan.kind == SubjectKind::kHuman) say_for_person(settings);
@@ -99,9 +104,10 @@ int check_config(const std::string& config) {
 
 Subcommand add_check(CLI::App& app) {
     const auto config = std::make_shared<std::string>();
-    CLI::App* check = app.add_subcommand(
-        "check", "read a session file: what is wrong with it, or which trials run and study would do");
-    add_session_option(*check, *config, "session file (TOML) or name")->required();
+    CLI::App* check =
+        app.add_subcommand("check", "check a session file: print its error, or the trials that it plans");
+    add_session_option(*check, *config, "session: a TOML file, or one that comes with the program")
+        ->required();
     check->footer("Examples:\n  thimble check my-session.toml\n  thimble check paper-experiment-3");
     return {check, [config] { return check_config(*config); }};
 }

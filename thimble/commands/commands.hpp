@@ -1,4 +1,4 @@
-// The subcommands of `thimble`, each in a file of its own: what it takes, and what it does.
+// The subcommands of `thimble`, one file each: options and action.
 #pragma once
 
 #include <functional>

@@ -2,8 +2,6 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,10 +16,11 @@
 #include "common/csv/csv_file.hpp"
 #include "common/error.hpp"
 #include "common/process/progress.hpp"
+#include "common/runtime/command_line.hpp"
 #include "common/runtime/realtime_loop.hpp"
-#include "common/text_file.hpp"
 #include "study/compensators/compensator_report.hpp"
 #include "study/compensators/compensator_table.hpp"
+#include "study/planned_table.hpp"
 #include "study/ranks/ranks.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"
@@ -36,7 +35,7 @@ struct CompensatorsArguments {
     std::optional<std::uint32_t> subjects, trials;  // instead of the session's
     std::optional<std::uint64_t> seed;
     CompensatorStudyOptions study;  // as the session and the above have it
-    bool overwrite = false, resume = false;
+    IfExists if_exists = IfExists::kRefuse;
 };
 
 std::string cell(double value, int decimals) {
@@ -56,42 +55,6 @@ void print_rows(const std::vector<CompensatorRow>& rows) {
     }
 }
 
-// The settings that decide the trials: another one gives another table. A session file's own network and [control] among it.
-std::string plan_text(const CompensatorsArguments& a) {
-    const CompensatorStudyOptions& s = a.study;
-    std::string text =
-        fmt::format("seed {}\nsubjects {}\ntrials {}\nconditions {}\n", s.seed, s.subjects, s.trials,
-                    s.names.empty() ? "all" : fmt::format("{}", fmt::join(s.names, " ")));
-    for (const CompensatorNetwork& network : s.networks)
-        text += fmt::format("network {}: {} s, jitter {} s, loss {}\n", network.name, network.delay_s,
-                            network.jitter_spread_s, network.loss);
-    if (a.session.empty()) return text;
-    std::ifstream file(a.session, std::ios::binary);
-    return text + "session file:\n" + std::string(std::istreambuf_iterator<char>(file), {});
-}
-
-// With --resume it goes on where the same comparison was interrupted, and refuses another one's folder.
-IfExists prepare_folder(const CompensatorsArguments& a) {
-    const std::filesystem::path folder(a.out), plan = folder / "compensators.txt";
-    make_folder(folder);
-    const bool begun = std::filesystem::exists(folder / "compensator_trials.csv");
-    if (begun && !a.overwrite && !a.resume)
-        throw Error(
-            ExitCode::kUsage,
-            "{}: holds a comparison already: go on with --resume, replace it with --overwrite, or name "
-            "another --out",
-            a.out);
-    if (begun && a.resume) {
-        std::ifstream file(plan, std::ios::binary);
-        if (std::string(std::istreambuf_iterator<char>(file), {}) != plan_text(a))
-            throw Error(ExitCode::kUsage,
-                        a.out + ": holds another comparison: name another folder, or say --overwrite");
-        return IfExists::kContinue;
-    }
-    write_text_file(plan, plan_text(a));
-    return IfExists::kReplace;
-}
-
 // The command that gives the same results, without the output folder.
 std::string compensators_command(const CompensatorsArguments& a) {
     std::string command = "thimble compensators";
@@ -108,23 +71,23 @@ bool run_all(const SystemSettings& settings, const CompensatorsArguments& a,
              std::vector<CompensatorTrial>& trials) {
     std::optional<CompensatorTrialTable> table;
     if (!a.out.empty()) {
-        const IfExists if_exists = prepare_folder(a);
-        table.emplace(std::filesystem::path(a.out) / "compensator_trials.csv", if_exists,
-                      chosen_conditions(settings, a.study.names), trials);
+        const std::filesystem::path folder(a.out), file = folder / "compensator_trials.csv";
+        open_plan(file, folder / "compensators.txt", "comparison", compensator_plan(settings, a.study),
+                  a.if_exists);
+        table.emplace(file, chosen_conditions(settings, a.study.names), trials);
     }
     std::size_t done = table ? table->done() : 0;
-    if (done > 0) spdlog::info("{} of {} trials were there already", done, trials.size());
+    if (done > 0) spdlog::info("{} of {} trials were already done", done, trials.size());
     Progress progress;
     const auto take = [&](const CompensatorTrial& trial) {
         if (table) table->append(trial);
         ++done;
-        progress.show(fmt::format("{}/{} trials, {}", done, trials.size(), trial.network.name),
-                      done % (trials.size() / 4 + 1) == 0);
+        progress.count(done, trials.size(), "trials", trial.network.name);
     };
     const bool complete = run_compensator_trials(settings, a.study, std::span(trials).subspan(done), take);
-    progress.say(fmt::format("{} of {} trials", done, trials.size()));
+    progress.close();
     if (!complete && table)
-        spdlog::error("interrupted; the {} trials that had ended are kept: go on with --resume", done);
+        spdlog::error("interrupted: {} trials are done and saved; continue with --resume", done);
     return complete;
 }
 
@@ -152,7 +115,7 @@ CompensatorStudyOptions study_of(const SystemSettings& settings, const Compensat
     if (const auto& protocol = settings.protocol) {
         if (protocol->experiments != std::vector{3U})
             throw Error(ExitCode::kUsage,
-                        "[protocol] experiments holds 1 or 2, and thimble compensators has the trials of "
+                        "[protocol] experiments contains 1 or 2, but thimble compensators runs only "
                         "experiment 3: write [3], or leave the key out");
         study.subjects = protocol->subjects;
         study.trials = protocol->trials_per_modality;
@@ -185,7 +148,7 @@ int compare_compensators(CompensatorsArguments arguments) {
         write_compensator_report(settings, arguments.study, trials, compensators_command(arguments),
                                  made_with({arguments.session}, {{}, {}, session_values(arguments.study)}),
                                  arguments.out);
-        fmt::print("report: {}\n", (std::filesystem::path(arguments.out) / "report.html").string());
+        fmt::print("results: {}\n", (std::filesystem::path(arguments.out) / "report.html").string());
     }
     return static_cast<int>(ExitCode::kOk);
 }
@@ -195,44 +158,50 @@ int compare_compensators(CompensatorsArguments arguments) {
 Subcommand add_compensators(CLI::App& app) {
     const auto arguments = std::make_shared<CompensatorsArguments>();
     CompensatorsArguments& a = *arguments;
-    CLI::App* sub = app.add_subcommand(
-        "compensators",
-        "experiment 3 in virtual time with each delay compensator, beside HF, CF, CCF and VF");
+    CLI::App* sub = app.add_subcommand("compensators",
+                                       "compare delay compensators with HF, CF, CCF and VF, in virtual time");
     add_session_option(*sub, a.session,
-                       "session file (TOML) or name: its network, delays, modalities, numbers of "
-                       "subjects and trials");
-    sub->add_option("-o,--out", a.out, "folder for report.html, figures/ and the tables");
+                       "session: a TOML file, or one that comes with the program. It gives network, delays, "
+                       "modalities, and numbers of subjects and trials");
+    sub->add_option("-o,--out", a.out,
+                    "folder for report.html, figures/ and the tables; without it the command only prints a "
+                    "table")
+        ->type_name("FOLDER");
     sub->add_option("--delays-s", a.delays_s,
-                    "delays of the force path, one way, instead of the session's, or of "
-                    "0,0.01,0.025,0.05,0.1,0.2 and 0.05 with jitter and loss")
+                    "one-way delays of the force path, s (default: the session's, else "
+                    "0,0.01,0.025,0.05,0.1,0.2, and 0.05 with jitter and loss)")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->type_name("S,...")
         ->check(CLI::Range(0.0, 10.0));
-    sub->add_option("--only", a.only, "these conditions alone, e.g. HF,CF,wave")
+    sub->add_option("--only", a.only, "compare only these conditions, e.g. HF,CF,wave")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->type_name("NAME,...");
-    sub->add_option("--subjects", a.subjects, "virtual subjects, instead of [protocol] subjects (10)")
+    sub->add_option("-n,--subjects", a.subjects,
+                    "number of virtual subjects (default: [protocol] subjects, else 10)")
         ->check(CLI::Range(1, 10000));
-    sub->add_option("--trials", a.trials,
-                    "of each subject, condition and delay, instead of [protocol] trials_per_modality (1)")
+    sub->add_option(
+           "--trials", a.trials,
+           "trials of each subject, condition and delay (default: [protocol] trials_per_modality, else 1)")
         ->check(CLI::Range(1, 1000));
-    sub->add_option("--seed", a.seed, "of subjects, fixtures and networks, instead of [session] seed (1)");
-    sub->add_option("--jobs", a.study.jobs, "threads; 0: one per core")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str();
-    CLI::Option* overwrite =
-        sub->add_flag("--overwrite", a.overwrite, "replace an earlier comparison in that folder");
-    sub->add_flag("--resume", a.resume,
-                  "go on where an interrupted comparison of the same settings ended; the same bytes come out")
-        ->excludes(overwrite);
+    sub->add_option("-s,--seed", a.seed,
+                    "seed of subjects, fixtures and networks (default: [session] seed, else 1)");
+    add_jobs_option(*sub, a.study.jobs);
+    add_resume_options(*sub, a.if_exists, "comparison");
     sub->footer(
-        "done: completed trials; osc.: those in which the needle oscillates; K / true: stiffness that the "
-        "hand "
-        "feels over the fixture's; drift: between hand and needle, mm of needle; share: of the force for the "
-        "hand.\n"
-        "Example:\n  thimble compensators --subjects 10 --out out/compensators");
+        "Columns of the table:\n"
+        "  done      trials that ran to their end, of all\n"
+        "  osc.      trials in which the needle oscillates, of all\n"
+        "  p-p mm    peak-to-peak movement of the needle during the hold\n"
+        "  pen mm    mean penetration\n"
+        "  max mm    maximum penetration\n"
+        "  time s    completion time\n"
+        "  K / true  stiffness that the hand feels, divided by the stiffness of the fixture\n"
+        "  drift     distance between hand and needle, mm\n"
+        "  share     part of the force that reaches the hand\n"
+        "Example:\n  thimble compensators --subjects 10 --out out/compensators\n"
+        "Manual: docs/compensators.md");
     return {sub, [arguments] { return compare_compensators(*arguments); }, true};
 }
 

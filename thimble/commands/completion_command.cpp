@@ -6,24 +6,26 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "common/runtime/shell_completion.hpp"
+#include "common/runtime/command_line.hpp"
 #include "thimble/commands/commands.hpp"
 
 namespace thimble {
 
 Subcommand add_completion(CLI::App& app) {
     const auto shell = std::make_shared<std::string>();
-    CLI::App* completion =
-        app.add_subcommand("completion", "print what bash, zsh or fish needs to complete this command");
-    completion->add_option("shell", *shell, "which shell")
+    CLI::App* completion = app.add_subcommand(
+        "completion", "print a script that lets bash, zsh or fish complete Thimble's commands");
+    completion->add_option("shell", *shell, "your shell")
         ->required()
         ->check(CLI::IsMember(
             std::vector<std::string>(std::begin(kCompletedShells), std::end(kCompletedShells))));
     completion->footer(
-        "Examples:\n  source <(thimble completion bash)\n"
+        "Examples:\n"
+        "  source <(thimble completion bash)\n"
         "  thimble completion zsh > ~/.zfunc/_thimble    # a folder of fpath\n"
-        "  thimble completion fish > ~/.config/fish/completions/thimble.fish\n\n"
-        "The Debian package brings it for all programs (docs/install.md).");
+        "  thimble completion fish > ~/.config/fish/completions/thimble.fish\n"
+        "\n"
+        "The Debian package installs it for all programs (docs/install.md).");
     return {completion, [&app, shell] {
                 fmt::print("{}", completion_script(app.get_name(), *shell));
                 return 0;

@@ -27,9 +27,8 @@ int print_keys(const ConfigArguments& a) {
 
 CLI::App* add_keys(CLI::App& config, ConfigArguments& a, const char* name, const char* what) {
     CLI::App* part = config.add_subcommand(name, what);
-    part->add_option(
-            "kind", a.kind,
-            "of which files: session, scene, pages (that a subject reads), or profile (of a network)")
+    part->add_option("kind", a.kind,
+                     "kind of file: session, scene, pages (that a subject reads), or profile (of a network)")
         ->check(CLI::IsMember({"session", "scene", "pages", "profile"}))
         ->capture_default_str();
     return part;
@@ -41,11 +40,12 @@ Subcommand add_config(CLI::App& app) {
     const auto arguments = std::make_shared<ConfigArguments>();
     ConfigArguments& a = *arguments;
     CLI::App* config = app.add_subcommand(
-        "config", "every key of a session, scene, page or profile file: type, unit, default, range, meaning");
+        "config", "print every key of a session, scene, page or profile file, with unit and range");
     config->require_subcommand(1);
-    add_keys(*config, a, "reference", "all keys as a page in Markdown, or as JSON")
-        ->add_flag("--json", a.json, "one JSON object by dotted key");
-    add_keys(*config, a, "schema", "a JSON Schema, by which an editor checks a file and completes its keys")
+    add_keys(*config, a, "reference", "print all keys as a Markdown page, or as JSON")
+        ->add_flag("--json", a.json, "print one JSON object, with the dotted keys as names");
+    add_keys(*config, a, "schema",
+             "print a JSON Schema, with which an editor checks a file and completes its keys")
         ->callback([&a] { a.schema = true; });
     config->footer(
         "Examples:\n  thimble config reference --json | grep -A5 force_limit_N\n"

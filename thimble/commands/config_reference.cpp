@@ -95,11 +95,24 @@ Json object_schema(const Keys& keys, const std::string& table);
 bool may_have_unit(const KeyDeclaration& key) {
     return holds_seconds(key.path) && (is(key, "number") || is(key, "list of numbers"));
 }
-constexpr const char* kDurationPattern = "^-?[0-9.]+([eE][-+]?[0-9]+)? ?(ns|us|µs|ms|s|min|h)$";
+// The numbers of std::from_chars, and both letters that people type for micro.
+constexpr const char* kDurationPattern =
+    "^[+]?-?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][-+]?[0-9]+)? ?(ns|us|\u00b5s|\u03bcs|ms|s|min|h)$";
+
+// A delay of seconds needs its unit: as a bare number it is hardly meant.
+void add_range(const KeyDeclaration& key, Json& schema) {
+    schema["minimum"] = Json::parse(key.low);
+    schema["maximum"] = Json::parse(key.high);
+    const std::string name = key.path.substr(key.path.rfind('.') + 1);
+    if (may_have_unit(key) && !doubt_seconds(name, kLongestPath_s).empty() &&
+        schema["maximum"] >= kLongestPath_s)
+        schema["exclusiveMaximum"] = kLongestPath_s;
+}
 
 Json element_schema(const KeyDeclaration& key) {
     if (is(key, "list of texts")) return {{"type", "string"}};
-    Json schema{{"type", "number"}, {"minimum", Json::parse(key.low)}, {"maximum", Json::parse(key.high)}};
+    Json schema{{"type", "number"}};
+    add_range(key, schema);
     if (may_have_unit(key)) {
         schema["type"] = {"number", "string"};
         schema["pattern"] = kDurationPattern;
@@ -129,8 +142,7 @@ Json key_schema(const Keys& keys, const KeyDeclaration& key) {
     if (is(key, "list of numbers") || is(key, "list of texts")) {
         schema["items"] = element_schema(key);
     } else if (!key.low.empty()) {
-        schema["minimum"] = Json::parse(key.low);
-        schema["maximum"] = Json::parse(key.high);
+        add_range(key, schema);
     }
     if (!key.choices.empty()) schema["enum"] = key.choices;
     if (!key.fallback.empty()) schema["default"] = Json::parse(key.fallback);

@@ -9,7 +9,7 @@
 
 #include "common/runtime/wall_clock.hpp"
 #include "session/participant/corrections.hpp"
-#include "session/participant/motion_export.hpp"
+#include "session/participant/dataset.hpp"
 #include "session/participant/phenotype.hpp"
 #include "thimble/commands/commands.hpp"
 
@@ -36,7 +36,7 @@ int include(const DatasetArguments& a) {
 
 int correct(const DatasetArguments& a) {
     correct_person(a.folder, a.participant, a.column, a.value, note_of(a));
-    fmt::print("{} of {} is {} now: {}\n", a.column, a.participant, a.value, a.reason);
+    fmt::print("{} of {} is now {}: {}\n", a.column, a.participant, a.value, a.reason);
     return 0;
 }
 
@@ -48,9 +48,9 @@ int exclude(const DatasetArguments& a) {
 
 int export_bids(const DatasetArguments& a) {
     const MotionExport done = export_motion(a.folder, a.out);
-    fmt::print("{}: {} subjects, {} trials", a.out, done.subjects, done.trials);
+    fmt::print("{} subjects, {} trials", done.subjects, done.trials);
     if (done.without_trajectory > 0) fmt::print("; {} trials have no trajectory", done.without_trajectory);
-    fmt::print("\n");
+    fmt::print("\nresults: {}\n", a.out);
     return 0;
 }
 
@@ -62,10 +62,12 @@ CLI::App* add_dataset_part(CLI::App& dataset, const char* name, const char* what
 }
 
 void add_correction_options(CLI::App& part, DatasetArguments& a) {
-    part.add_option("folder", a.folder, "dataset of `thimble run` with a [protocol]")->required();
-    part.add_option("--participant", a.participant, "e.g. P07")->required();
-    part.add_option("--reason", a.reason, "goes into corrections.tsv; no participant's name")->required();
-    part.add_option("--by", a.by, "who decides, for corrections.tsv; else the user of this computer");
+    part.add_option("folder", a.folder, "dataset folder of thimble run with [protocol]")->required();
+    part.add_option("--participant", a.participant, "participant, e.g. P07")->required();
+    part.add_option("--reason", a.reason, "reason, written to corrections.tsv; do not name people")
+        ->required();
+    part.add_option("--by", a.by,
+                    "who decided, written to corrections.tsv; default: the user of this computer");
 }
 
 }  // namespace
@@ -74,40 +76,41 @@ Subcommand add_dataset(CLI::App& app) {
     const auto arguments = std::make_shared<DatasetArguments>();
     DatasetArguments& a = *arguments;
     CLI::App* dataset = app.add_subcommand(
-        "dataset", "participants' data: leave a trial out, correct a field, or export movements as BIDS");
+        "dataset", "exclude or include participants' trials, correct a field, or export movements as BIDS");
     dataset->require_subcommand(1);
-    CLI::App* leave_out = add_dataset_part(
-        *dataset, "exclude", "leave a participant's trial out of the analysis, and say why", a, exclude);
-    CLI::App* take_back = add_dataset_part(
-        *dataset, "include", "take back that a trial was excluded or rejected, and say why", a, include);
+    CLI::App* leave_out =
+        add_dataset_part(*dataset, "exclude", "exclude a participant's trial from the analysis", a, exclude);
+    CLI::App* take_back =
+        add_dataset_part(*dataset, "include", "include a trial that was excluded or rejected", a, include);
     CLI::App* person = add_dataset_part(
-        *dataset, "correct", "correct a participant's age, sex, handedness or experience, and say why", a,
-        correct);
+        *dataset, "correct", "correct a participant's age, sex, handedness or experience", a, correct);
     for (CLI::App* part : {leave_out, take_back, person}) add_correction_options(*part, a);
     for (CLI::App* part : {leave_out, take_back})
-        part->add_option("--trial", a.trial, "its place in the participant's order (column 'position')")
+        part->add_option("--trial", a.trial,
+                         "number of the trial in the participant's order (column 'position')")
             ->check(CLI::Range(1, 1000000))
             ->required();
-    person->add_option("--column", a.column, "of participants.tsv")
+    person->add_option("--column", a.column, "column of participants.tsv")
         ->check(CLI::IsMember({"age", "sex", "handedness", "haptic_experience"}))
         ->required();
-    person->add_option("--value", a.value, "the right one")->required();
+    person->add_option("--value", a.value, "correct value")->required();
     CLI::App* bids = add_dataset_part(*dataset, "bids",
-                                      "a Motion-BIDS dataset of the trajectories of participant sessions, "
-                                      "a study or a run (docs/interoperability.md)",
+                                      "export the trajectories of participants, a study or a run as a "
+                                      "Motion-BIDS dataset (docs/interoperability.md)",
                                       a, export_bids);
     bids->add_option("folder", a.folder,
-                     "of a participant session, of thimble study --trajectories, or of thimble run")
+                     "folder of a participant session, of thimble study --trajectories, or of thimble run")
         ->required();
     bids->add_option("-o,--out", a.out, "new folder")->required();
     dataset->footer(
-        "Examples:\n  thimble dataset exclude out/study7 --participant P07 --trial 12 --reason \"phone "
-        "rang\"\n"
+        "Examples:\n"
+        "  thimble dataset exclude out/study7 --participant P07 --trial 12 --reason \"phone rang\"\n"
         "  thimble dataset include out/study7 --participant P07 --trial 12 --reason \"wrong trial\"\n"
         "  thimble dataset correct out/study7 --participant P07 --column age --value 32 --reason \"typing "
         "error\" --by LS\n"
-        "  thimble dataset bids out/people --out out/bids\n\n"
-        "Exit codes: 0 ok, 1 something could not be written, 2 usage, 5 there is nothing to be read.");
+        "  thimble dataset bids out/people --out out/bids\n"
+        "\n"
+        "Exit codes: 0 ok, 1 a file could not be written, 2 usage, 5 the data are missing or damaged.");
     return {dataset, [arguments] { return arguments->run(*arguments); }};
 }
 

@@ -9,6 +9,7 @@
 
 #include "common/json_text.hpp"
 #include "common/network_settings.hpp"
+#include "common/own_program.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "session/settings/system_settings.hpp"
 #include "session/virtual/energy_demand.hpp"
@@ -52,6 +53,7 @@ ConfigFile read_session(const DoctorArguments& arguments, SystemSettings& settin
         facts.problem = error.what();
     }
     gather_session(file, settings, facts);
+    gather_services(settings, facts);
     facts.energy = energy_warning(settings);
     return file;
 }
@@ -66,6 +68,7 @@ int examine_machine(const DoctorArguments& arguments) {
     facts.programs = gather_programs(program_folder());
     facts.ports = gather_ports(static_cast<std::uint16_t>(base_port), condition_count(settings.plan));
     facts.firewall = gather_firewall("/");
+    facts.ros2 = gather_ros2(file, settings);
     gather_time(file, arguments.seconds_s, facts.realtime, facts.timer);
     facts.processors = gather_processors("/");
     facts.kernel = gather_kernel("/");
@@ -85,23 +88,25 @@ Subcommand add_doctor(CLI::App& app) {
     const auto arguments = std::make_shared<DoctorArguments>();
     DoctorArguments& a = *arguments;
     CLI::App* command = app.add_subcommand(
-        "doctor", "what keeps a session from running well on this machine, and the command that mends it");
-    add_session_option(*command, a.session, "session file or name; without it the default session");
+        "doctor", "check whether a session can run well on this machine, and print how to fix each problem");
+    add_session_option(*command, a.session,
+                       "session file (TOML) or built-in name; default: the default session");
     add_base_port_option(*command, a.base_port);
-    command->add_option("--seconds", a.seconds_s, "how long to measure the timer")
+    command->add_option("--seconds", a.seconds_s, "how long to measure the timer, s")
         ->check(CLI::Range(0.01, 3600.0))
         ->capture_default_str();
-    command->add_flag("--json", a.json, "print JSON instead of a table");
+    command->add_flag("--json", a.json, "print JSON on stdout, instead of a table");
     command->footer(
-        "Changes nothing and needs no root. note: only other sessions need it; warning: the session runs, "
-        "but worse "
-        "than it could; fault: it cannot run.\n\n"
-        "Examples:\n  thimble doctor\n"
+        "The command changes nothing and needs no root.\n"
+        "note: affects other sessions only; warning: the session runs, but not well; fault: it cannot run.\n"
+        "\n"
+        "Examples:\n"
+        "  thimble doctor\n"
         "  thimble doctor deploy/sessions/delay50.toml --seconds 10\n"
-        "  thimble doctor --json | jq '.findings[] | select(.severity != \"ok\")'\n\n"
-        "Exit codes: 0 the session can run, else the first fault's: 1 a program or device is missing, 2 "
-        "session file or "
-        "screen, 3 ports, 4 time.");
+        "  thimble doctor --json | jq '.findings[] | select(.severity != \"ok\")'\n"
+        "\n"
+        "Exit codes: 0 the session can run, else by the first fault: 1 a program or device is missing, 2 "
+        "session file or screen, 3 ports, 4 time.");
     return {command, [arguments] { return examine_machine(*arguments); }};
 }
 

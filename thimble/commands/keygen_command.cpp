@@ -12,19 +12,20 @@
 namespace thimble {
 Subcommand add_keygen(CLI::App& app) {
     const auto file = std::make_shared<std::string>();
-    CLI::App* keygen = app.add_subcommand(
-        "keygen",
-        "make a lab key, which protects every datagram of sessions with [security] mode = \"lab-key\"");
+    CLI::App* keygen =
+        app.add_subcommand("keygen", "make a key that protects the datagrams of all sessions of a lab");
     keygen->add_option(
         "file", *file,
-        "new file for the key; without it THIMBLE_LAB_KEY_FILE, else thimble/lab.key in XDG_CONFIG_HOME or "
-        "~/.config");
+        "new key file; default: THIMBLE_LAB_KEY_FILE, else thimble/lab.key in XDG_CONFIG_HOME or ~/.config");
     keygen->footer(
-        "Examples:\n  thimble keygen\n  thimble keygen lab2.key\n"
-        "  ssh thimble@robot.lab 'mkdir -p .config/thimble && umask 077 && cat > .config/thimble/lab.key' "
-        "< ~/.config/thimble/lab.key\n\n"
-        "The key is readable by you alone (mode 0600) and never overwrites a file. docs/security.md is the "
-        "manual.");
+        "Only you can read the key (mode 0600), and the command overwrites no file.\n"
+        "\n"
+        "Examples:\n"
+        "  thimble keygen\n"
+        "  thimble keygen lab2.key\n"
+        "  ssh thimble@robot.lab 'mkdir -p .config/thimble && umask 077 && cat > .config/thimble/lab.key' < "
+        "~/.config/thimble/lab.key\n"
+        "Manual: docs/security.md.");
     return {keygen, [file] {
                 hide_memory();
                 prepare_security();

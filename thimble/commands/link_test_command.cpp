@@ -52,8 +52,8 @@ int listen(const LinkTestArguments& arguments, const ConfigFile& file) {
     ask_scheduler(file);
     const EchoCounters counters = serve_echoes(plan);
     spdlog::info(
-        "{} answered; unanswered: {} malformed, {} at a wrong port, {} without a nonce of ours, {} over the "
-        "limits, {} while all places were taken",
+        "{} answered; not answered: {} malformed, {} at a wrong port, {} without a valid nonce, {} over the "
+        "limits, {} while too many tests ran",
         counters.answered, counters.malformed, counters.wrong_port, counters.wrong_nonce, counters.limited,
         counters.crowded);
     return static_cast<int>(ExitCode::kOk);
@@ -72,7 +72,7 @@ int test(const LinkTestArguments& arguments, const ConfigFile& file) {
     LinkReport report;
     report.chrony = describe_chrony();
     report.link = test_link(plan);
-    if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted: nothing is judged by half a test");
+    if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted: half a test gives no verdict");
     report.verdicts = judge_all(settings.plan.modalities, report.link, loop_limits(settings));
     fmt::print("{}", arguments.json ? json_text(to_json(report), 2) + "\n" : to_text(report));
     return static_cast<int>(exit_code(report));
@@ -80,9 +80,9 @@ int test(const LinkTestArguments& arguments, const ConfigFile& file) {
 
 int link_test(const LinkTestArguments& arguments) {
     if (arguments.listen != arguments.host.empty()) {
-        throw Error(ExitCode::kUsage,
-                    "name the far machine with --host to test the link to it, or give --listen to be the far "
-                    "machine");
+        throw Error(
+            ExitCode::kUsage,
+            "name the other machine with --host to test the link to it, or give --listen to answer tests");
     }
     const ConfigFile file =
         arguments.session.empty() ? ConfigFile::empty() : ConfigFile::load(arguments.session);
@@ -96,37 +96,36 @@ Subcommand add_link_test(CLI::App& app) {
     LinkTestArguments& a = *arguments;
     CLI::App* command = app.add_subcommand(
         "link-test",
-        "before an experiment: do all ports of another machine answer, and is the link good enough?");
-    add_session_option(
-        *command, a.session,
-        "session file or name: ports of the programs that [network] has on that host, limits of its handle "
-        "and fixture, its modalities");
-    command->add_option("--host", a.host, "the far machine, where 'thimble link-test --listen' runs");
+        "test the link to another machine: do its ports answer, is it fast enough for a session?");
+    add_session_option(*command, a.session,
+                       "session file (TOML) or built-in name: its ports, modalities and limits are tested");
+    command->add_option("--host", a.host, "the other machine, where 'thimble link-test --listen' runs");
     command->add_flag("--listen", a.listen,
-                      "be the far machine: echo what a test sends, never more than it sends");
+                      "answer the tests of other machines; sends no more data than it receives");
     add_base_port_option(*command, a.base_port);
     command
         ->add_option("--ports", a.offsets,
-                     "only these offsets from the base port (docs/protocol.md), as 11,14")
+                     "test only these offsets from the base port, e.g. 11,14 (docs/protocol.md)")
         ->delimiter(',')
         ->check(CLI::Range(0U, static_cast<unsigned>(Port::kCount) - 1));
     command
         ->add_option("--seconds", a.seconds_s,
-                     "how long to send a session's traffic (5), or how long to listen (600)")
+                     "how long to test (default 5), or with --listen how long to answer (default 600), s")
         ->check(CLI::Range(0.1, 86400.0));
-    command->add_flag("--json", a.json, "print JSON instead of tables");
+    command->add_flag("--json", a.json, "print JSON on stdout, instead of tables");
     command->footer(
-        "Verdicts: HF fits while the round trip stays below the critical delay of its force loop; CF, CCF "
-        "and VF while it "
-        "is at most half of their own latency (display and reaction), and are marginal up to all of it. The "
-        "network that "
-        "a session emulates comes on top.\n\n"
-        "Examples:\n  thimble link-test --listen                                     # on the far machine\n"
+        "Verdicts: HF fits if the round trip is shorter than the critical delay of the force loop.\n"
+        "CF, CCF and VF fit if the round trip is at most half of the modality's own latency (display and "
+        "reaction time), and are marginal up to that latency.\n"
+        "The delay that a session emulates comes on top of the measured one.\n"
+        "\n"
+        "Examples:\n"
+        "  thimble link-test --listen                                     # on the other machine\n"
         "  thimble link-test deploy/sessions/delay50.toml --host 192.168.1.20\n"
-        "  thimble link-test --host 192.168.1.20 --ports 11,14 --seconds 60 --json\n\n"
+        "  thimble link-test --host 192.168.1.20 --ports 11,14 --seconds 60 --json\n"
+        "\n"
         "Exit codes: 0 every modality fits or is marginal, 1 one does not fit (or interrupted), 2 usage, 3 a "
-        "port does "
-        "not answer or a session's datagrams do not pass.");
+        "port does not answer or a session's datagrams are lost.");
     return {command, [arguments] { return link_test(*arguments); }};
 }
 

@@ -76,14 +76,16 @@ bool check_with_relay(const std::vector<FlowFinding>& flows, const LoggedFiles& 
         return file->scan().finished && file->lost() == 0;
     });
     if (!whole) {
-        fmt::print("not compared with {}: a log lacks its end, or messages\n", report.string());
+        fmt::print("not compared with {}: messages or a log of one end are missing\n", report.string());
         return true;
     }
     bool good = true;
     for (const RelayFinding& f : check_relay(flows, report)) {
-        fmt::print("{}: {} lost by the logs, {} by the relay{}; before it {}, within {}, behind {}{}\n",
-                   f.topic, f.lost, f.named, f.names.empty() ? "" : fmt::format(" ({})", f.names), f.before,
-                   f.within, f.behind, f.problem.empty() ? "" : "; NOT EXPLAINED: " + f.problem);
+        fmt::print(
+            "{}: {} lost according to the logs, {} according to the relay{}; before it {}, inside {}, after "
+            "it {}{}\n",
+            f.topic, f.lost, f.named, f.names.empty() ? "" : fmt::format(" ({})", f.names), f.before,
+            f.within, f.behind, f.problem.empty() ? "" : "; NOT EXPLAINED: " + f.problem);
         good = good && f.problem.empty();
     }
     return good;
@@ -103,7 +105,7 @@ int check_logs(const LogArguments& a) {
     for (const FlowFinding& f : flows) {
         fmt::print("{}: {} sent = {} received + {} lost{}; {} repeated, {} out of order{}\n", f.topic, f.sent,
                    f.received, f.lost,
-                   f.outside > 0 ? fmt::format(" + {} while the receiver was not up", f.outside) : "",
+                   f.outside > 0 ? fmt::format(" + {} before the receiver was ready", f.outside) : "",
                    f.repeated, f.out_of_order,
                    f.foreign > 0 ? fmt::format("; {} RECEIVED BUT NEVER SENT", f.foreign) : "");
         good = good && f.foreign == 0;
@@ -115,9 +117,8 @@ int check_logs(const LogArguments& a) {
 int repair(const LogArguments& a) {
     const RepairResult result = repair_log(a.files.front(), a.out);
     fmt::print(
-        "{}: {} messages, {} of them out of an unfinished chunk; {} bytes behind the last whole record and "
-        "{} damaged "
-        "parts are left out\n",
+        "{}: kept {} messages, {} of them from an unfinished chunk; left out {} bytes after the last whole "
+        "record and {} damaged parts\n",
         a.out, result.messages, result.scan.recovered, result.bytes_cut, result.scan.damaged);
     return 0;
 }
@@ -146,16 +147,19 @@ void share_ros2(const LogArguments& a, const LoggedFiles& files) {
     for (const std::string& part : written.missing) words += "\n  " + part;
     const std::string_view advice =
         written.events_only
-            ? "Only orders and the like stand in them. [log] messages = \"control\", the default, records no "
-              "more: "
-              "set \"all\" in the session file, run it again and give the logs of all its programs."
+            ? "The logs hold requests only: [log] messages = \"control\", the default, records no more: set "
+              "\"all\" in the session file, run it again, and give the logs of all its programs."
             : "Give the logs of all programs of one delay, recorded with [log] messages = \"all\".";
-    spdlog::warn("{}: the logs given hold none of these:{}\n{}", a.ros2, words, advice);
+    spdlog::warn(
+        "{}: the logs hold none of these:{}\n"
+        "{}",
+        a.ros2, words, advice);
 }
 
 int share(const LogArguments& a) {
     if (a.csv.empty() && a.json.empty() && a.hdf5.empty() && a.ros2.empty())
-        throw Error(ExitCode::kUsage, "say where to: --csv FOLDER, --hdf5 FILE, --json FILE or --ros2 FILE");
+        throw Error(ExitCode::kUsage,
+                    "name the output: --csv FOLDER, --hdf5 FILE, --json FILE or --ros2 FILE");
     const LoggedFiles files = open_logs(a.files);
     if (!a.csv.empty()) fmt::print("{}: {} tables\n", a.csv, export_csv(files, a.csv, a.topic));
     if (!a.hdf5.empty()) fmt::print("{}: {} tables\n", a.hdf5, export_hdf5(files, a.hdf5, a.topic));
@@ -172,7 +176,9 @@ int print_dissector(const LogArguments& /*a*/) {
 CLI::App* add_part(CLI::App& log, LogArguments& a, int (*run)(const LogArguments&), const char* name,
                    const char* what, const char* example) {
     CLI::App* part = log.add_subcommand(name, what);
-    part->add_option("files", a.files, "logs (.mcap), also of several programs of one session")->required();
+    part->add_option("files", a.files,
+                     "log files (.mcap); several programs of one session may be given together")
+        ->required();
     part->footer(std::string("Example:\n  ") + example);
     part->callback([&a, run] { a.run = run; });
     return part;
@@ -183,42 +189,39 @@ CLI::App* add_part(CLI::App& log, LogArguments& a, int (*run)(const LogArguments
 Subcommand add_log(CLI::App& app) {
     const auto arguments = std::make_shared<LogArguments>();
     LogArguments& a = *arguments;
-    CLI::App* log =
-        app.add_subcommand("log", "look at the logs of messages that a run leaves (MCAP; docs/log.md)");
+    CLI::App* log = app.add_subcommand("log", "show, check, repair and export the message logs of a run");
     log->require_subcommand(1);
     log->footer(
         "Examples:\n  thimble log info out/run/nodes/session_50ms.mcap\n  thimble log check "
         "out/run/nodes/*_50ms.mcap\n\n"
         "Exit codes: 0 good, 5 a log cannot be read or trusted.");
-    add_part(*log, a, show_info, "info", "what is in a log",
+    add_part(*log, a, show_info, "info", "show the contents of a log: programs, topics, counts, times",
              "thimble log info out/run/nodes/session_50ms.mcap");
-    CLI::App* cat =
-        add_part(*log, a, show_messages, "cat",
-                 "every message in a line, several logs in the order of time on the session's clock",
-                 "thimble log cat out/run/nodes/*_50ms.mcap --topic /master/needle_command");
-    add_part(
-        *log, a, check_logs, "check",
-        "CRCs, FlatBuffers, times, sequences; with the logs of both ends: what was lost, and whether the "
-        "relay's report beside them names it",
-        "thimble log check out/run/nodes/*_50ms.mcap");
+    CLI::App* cat = add_part(*log, a, show_messages, "cat",
+                             "print one line per message, in the order of the session's clock",
+                             "thimble log cat out/run/nodes/*_50ms.mcap --topic /master/needle_command");
+    add_part(*log, a, check_logs, "check",
+             "check checksums, times and sequence numbers; the logs of sender and receiver together also "
+             "show lost messages",
+             "thimble log check out/run/nodes/*_50ms.mcap");
     CLI::App* fix =
-        add_part(*log, a, repair, "repair", "a whole log, with an index, from one that was cut off",
+        add_part(*log, a, repair, "repair", "make a readable log with an index from a log that was cut off",
                  "thimble log repair out/run/nodes/session_50ms.mcap --out whole.mcap");
     CLI::App* to_others =
-        add_part(*log, a, share, "export", "tables, JSON or ROS 2 messages for other programs",
+        add_part(*log, a, share, "export", "export tables, JSON or ROS 2 messages for other programs",
                  "thimble log export out/run/nodes/*_50ms.mcap --csv out/tables");
-    log->add_subcommand(
-           "dissector",
-           "a dissector of Wireshark for messages in the clear, in Lua (docs/interoperability.md)")
+    log->add_subcommand("dissector",
+                        "print a Wireshark dissector for unprotected datagrams (docs/interoperability.md)")
         ->callback([&a] { a.run = print_dissector; });
     fix->get_option("files")->expected(1);
-    fix->add_option("-o,--out", a.out, "the new file")->required();
-    for (CLI::App* part : {cat, to_others}) part->add_option("--topic", a.topic, "only topics that begin so");
-    to_others->add_option("--csv", a.csv, "folder for one table per log, topic and kind of message");
-    to_others->add_option("--hdf5", a.hdf5, "new file with the same tables, units as attributes");
-    to_others->add_option("--json", a.json, "file for one object per message and line; - is standard output");
+    fix->add_option("-o,--out", a.out, "new file")->required();
+    for (CLI::App* part : {cat, to_others})
+        part->add_option("--topic", a.topic, "only topics that begin with this text");
+    to_others->add_option("--csv", a.csv, "folder for CSV tables: one per log, topic and kind of message");
+    to_others->add_option("--hdf5", a.hdf5, "new HDF5 file with the same tables and their units");
+    to_others->add_option("--json", a.json, "JSON file with one message per line; - writes to stdout");
     to_others->add_option("--ros2", a.ros2,
-                          "new MCAP file of ROS 2 messages for ros2 bag, PlotJuggler, Foxglove, MATLAB "
+                          "new MCAP file of ROS 2 messages, for ros2 bag, PlotJuggler, Foxglove or MATLAB "
                           "(docs/interoperability.md)");
     return {log, [arguments] { return arguments->run(*arguments); }};
 }

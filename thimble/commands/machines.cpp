@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/json_text.hpp"
+#include "common/own_program.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/text_file.hpp"
 #include "session/launch/node_kinds.hpp"
@@ -18,7 +19,7 @@ MachineVerdict check_here(const std::string& program) {
     const auto file = program_folder() / program;
     if (std::filesystem::exists(file)) return {};
     return {ExitCode::kRunFailed,
-            fmt::format("{} is not there; is Thimble built or installed completely?", file.string())};
+            fmt::format("{} is missing; is Thimble built or installed completely?", file.string())};
 }
 
 MachineVerdict check_node(const LaunchSettings& launch, const NodeKind& node,

@@ -1,10 +1,9 @@
 // The origin of a report: the program, its session files, the values of all parameters.
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "common/text_file.hpp"
 #include "study/fit/fit.hpp"
 #include "thimble/commands/shared.hpp"
 
@@ -12,13 +11,12 @@ namespace thimble {
 namespace {
 
 std::string text_of(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+    std::string text = read_text_file(file);
     if (!text.ends_with('\n')) text += '\n';  // of several lines, so that the page folds it
     return text;
 }
 
-// The line of `key` with another value; at the end where there is none, as of a key without a default.
+// Replaces the value of `key`, or appends the line if there is none, as for a key without a default.
 void replace_value(std::string& parameters, const std::string& key, const std::string& value) {
     const std::string start = key + " = ";
     std::size_t at = parameters.starts_with(start) ? 0 : parameters.find('\n' + start);

@@ -12,6 +12,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/own_program.hpp"
 #include "common/process/child.hpp"
 #include "common/process/progress.hpp"
 #include "common/runtime/protection.hpp"
@@ -69,7 +70,7 @@ int open_page(const CLI::App& play) {
     std::fflush(stdout);  // xdg-open may wait until the browser ends
     const ProgramResult result = run_program("xdg-open", {page}, ".", advice + ", or install xdg-utils");
     if (result.exit_code != 0)
-        throw Error(ExitCode::kRunFailed, "xdg-open shows no page: {}; {}", result.output, advice);
+        throw Error(ExitCode::kRunFailed, "xdg-open cannot show the page: {}; {}", result.output, advice);
     return static_cast<int>(ExitCode::kOk);
 }
 
@@ -82,13 +83,13 @@ int render_recorded(PlayArguments& a, const SystemSettings& settings) {
     const RecordedTrial trial = find_recorded_trial(a.replay.folder, a.replay.trial, a.replay.contact_hold_s);
     std::optional<Progress> progress{std::in_place};
     plan.progress = [&](std::size_t done, std::size_t all) {
-        progress->show(fmt::format("frame {} of {}", done, all), done % 100 == 0);
+        progress->show(progress_text(done, all, "frames", ""), done % 100 == 0);
     };
     const RenderResult result = render_trial(trial, plan);
     progress.reset();  // before anything on stdout
     fmt::print("{} frames: {}{}\n", result.frames, plan.frames.string(),
                plan.video && result.complete ? ", " + plan.video->string() : "");
-    if (!result.complete) spdlog::error("interrupted; the {} frames done are kept", result.frames);
+    if (!result.complete) spdlog::error("interrupted; the {} finished frames are kept", result.frames);
     return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 
@@ -99,20 +100,23 @@ void choose_first_trial(PlayArguments& a, const SessionPlan& plan) {
     if (plan.names_delays) a.play.delay_s = to_seconds(plan.delays.front());
     if (a.delay_s) a.play.delay_s = *a.delay_s;
     if (a.play.delay_s <= PlayHandler::kLongestDelay_s) return;
-    throw Error(ExitCode::kUsage,
-                fmt::format("the session's force path has a delay of {} s, and thimble play "
-                            "delays by {} s at most: say --delay-s",
-                            a.play.delay_s, PlayHandler::kLongestDelay_s));
+    throw Error(ExitCode::kUsage, fmt::format("the session delays the force by {} s, but thimble play allows "
+                                              "at most {} s: set a shorter delay with --delay-s",
+                                              a.play.delay_s, PlayHandler::kLongestDelay_s));
 }
 
 int run_play(PlayArguments a) {
     const SystemSettings settings = load_system_settings(a.config);
     if (settings.launch.anywhere_else()) {
         throw Error(ExitCode::kUsage,
-                    "the session file's [launch] names other machines, and thimble play starts every node on "
-                    "this one: leave [launch] out");
+                    "thimble play starts every program on this machine, but the session file's [launch] "
+                    "names other machines: remove [launch]");
     }
     settings.launch.require_no_own_program("thimble play");
+    if (settings.slave.device != SlaveDevice::kSimulated)
+        throw Error(ExitCode::kUsage,
+                    "thimble play has a simulated needle, but [slave_sim] device is \"ros2\": remove that "
+                    "key, or use thimble run");
     a.play.network = a.replay.network = network_of(a.config, a.base_port);
     choose_first_trial(a, settings.plan);
     a.play.stop = a.replay.stop = a.render.stop = &stop_requested();
@@ -143,18 +147,22 @@ int run_play(PlayArguments a) {
 
 void add_render_options(CLI::App& play, CLI::Option* replay, PlayArguments& a) {
     const auto group = "Pictures of a replay";
-    play.add_option("--frames", a.render.frames, "folder for one PNG file per frame; nothing is shown")
+    play.add_option("--frames", a.render.frames, "folder for one PNG file per frame; opens no window")
+        ->type_name("FOLDER")
         ->needs(replay)
         ->group(group);
-    play.add_option("--video", a.video, "a video by ffmpeg, e.g. trial.mp4; frames beside it unless --frames")
+    play.add_option(
+            "--video", a.video,
+            "video file, made with ffmpeg, e.g. trial.mp4; its frames are kept beside it, or in --frames")
+        ->type_name("FILE")
         ->needs(replay)
         ->group(group);
-    play.add_option("--frames-per-s", a.render.frames_per_s, "of the trial's time")
+    play.add_option("--frames-per-s", a.render.frames_per_s, "frames per second of the trial")
         ->default_val(a.render.frames_per_s)
         ->check(CLI::Range(1.0, 1000.0))
         ->needs(replay)
         ->group(group);
-    play.add_flag("--overwrite", a.render.overwrite, "replace frames and video that are there")
+    play.add_flag("--overwrite", a.render.overwrite, "replace existing frames and video")
         ->needs(replay)
         ->group(group);
 }
@@ -164,41 +172,48 @@ void add_render_options(CLI::App& play, CLI::Option* replay, PlayArguments& a) {
 Subcommand add_play(CLI::App& app) {
     const auto arguments = std::make_shared<PlayArguments>();
     CLI::App* sub =
-        app.add_subcommand("play", "feel the experiment with a mouse: every node on this machine, a window");
-    add_session_option(*sub, arguments->config, "session file (TOML) or name; without it the paper's scene");
+        app.add_subcommand("play", "feel the experiment with the mouse, in a window on this machine");
+    add_session_option(*sub, arguments->config,
+                       "session file (TOML) or built-in name; default: the paper's scene");
     sub->add_option("--modality", arguments->modality,
-                    "of the first trial: HF, CF, CCF or VF, instead of the session's first (HF)")
+                    "how the first trial shows the force; default: the session's first (HF). HF: at the "
+                    "handle; CF: on the fingers that hold it; CCF: on the other hand; VF: as a bar")
         ->check(CLI::IsMember({"HF", "CF", "CCF", "VF"}));
     sub->add_option("--delay-s", arguments->delay_s,
-                    "one-way delay of the force path at the start, instead of the session's first (0.05)")
+                    "one-way delay of the force in the first trial, s; default: the session's first (0.05)")
         ->check(CLI::Range(0.0, PlayHandler::kLongestDelay_s));
-    sub->add_option("--record", arguments->play.record,
-                    "keep each trial in this folder, as thimble run does");
-    CLI::Option* replay = sub->add_option("--replay", arguments->replay.folder,
-                                          "show a trial of this folder (trials.csv, trajectories/) instead");
-    sub->add_option("--trial", arguments->replay.trial, "which line of its trials.csv, from 1")
+    sub->add_option("-o,--out", arguments->play.record,
+                    "folder for the results, as of thimble run; default: keep nothing")
+        ->type_name("FOLDER");
+    CLI::Option* replay =
+        sub->add_option("--replay", arguments->replay.folder,
+                        "show a recorded trial from this folder (trials.csv, trajectories/)")
+            ->type_name("FOLDER");
+    sub->add_option("--trial", arguments->replay.trial, "which trial: its line in trials.csv, from 1")
         ->default_val(arguments->replay.trial)
         ->check(CLI::Range(1, 1000000))
         ->needs(replay);
-    sub->add_option("--speed", arguments->replay.speed, "of the replay; 1: as it was")
+    sub->add_option("--speed", arguments->replay.speed, "speed of the replay; 1: as recorded")
         ->default_val(arguments->replay.speed)
         ->check(CLI::Range(ReplayClock::kSlowest, ReplayClock::kFastest))
         ->needs(replay);
     sub->add_option("--view", arguments->view,
-                    "cutaway: the needle inside the tissue and the fixture; subject: the paper's screen")
+                    "cutaway: also shows the needle inside the tissue and the fixture; subject: the picture "
+                    "of the paper's subjects")
         ->default_val(arguments->view)
         ->check(CLI::IsMember({"cutaway", "subject"}));
     sub->add_flag("--browser", arguments->browser,
-                  "the page of ./deploy/browser instead, where there is no OpenGL; it takes no other option");
+                  "open the page in a browser, for machines without OpenGL; takes no other option");
     add_render_options(*sub, replay, *arguments);
     add_base_port_option(*sub, arguments->base_port);
-    sub->add_option("--seconds", arguments->seconds, "end by itself after so long")
+    sub->add_option("--seconds", arguments->seconds,
+                    "end after this time, s; default: run until the window is closed")
         ->check(CLI::PositiveNumber);
     sub->add_option("--visual-command", arguments->visual_command,
-                    "program and arguments instead of thimble-visual --window --view player")
+                    "program that draws the window; default: thimble-visual")
         ->type_name("COMMAND");
     sub->footer(
-        "Example:\n  thimble play --modality HF --delay-s 0.05 --record out/play\n"
+        "Examples:\n  thimble play --modality HF --delay-s 0.05 --out out/play\n"
         "  thimble play --replay out/play --trial 2 --speed 0.5\n"
         "  thimble play --replay out/play --trial 2 --video trial2.mp4\n"
         "  thimble play --browser\n"

@@ -10,9 +10,10 @@
 
 #include "common/error.hpp"
 #include "common/json_text.hpp"
+#include "common/runtime/command_line.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "study/fit/fit.hpp"
-#include "study/power/power_report.hpp"
+#include "study/power/power.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"
 
@@ -45,7 +46,7 @@ int say_power(PowerArguments a, const std::string& typed) {
     a.power.stop = &stop_requested();
     const PowerResult result = plan_power(settings, a.power);
     if (!result.complete) {
-        spdlog::error("interrupted before the last delay; nothing was written");
+        spdlog::error("interrupted: nothing was written; start the command again");
         return static_cast<int>(ExitCode::kRunFailed);
     }
     if (a.json) {
@@ -55,60 +56,73 @@ int say_power(PowerArguments a, const std::string& typed) {
     }
     if (a.out.empty()) return static_cast<int>(ExitCode::kOk);
     write_power_report(result, a.power, typed, provenance_of(a, changes), a.out);
-    if (!a.json) fmt::print("report: {}\n", (std::filesystem::path(a.out) / "report.html").string());
+    if (!a.json) fmt::print("results: {}\n", (std::filesystem::path(a.out) / "report.html").string());
     return static_cast<int>(ExitCode::kOk);
 }
 
 void add_options(CLI::App& power, PowerArguments& a) {
-    power.add_option("--delay-s,--delays-s", a.power.delays_s, "delays of the force path, one way")
+    power.add_option("--delays-s,--delay-s", a.power.delays_s, "one-way delays of the force path, s")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->type_name("S,...")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 10.0));
-    power.add_option("--power", a.power.power, "share of studies in which a comparison comes out")
+    power.add_option("--power", a.power.power, "power to reach: share of studies that find the difference")
         ->capture_default_str()
         ->check(CLI::Range(0.05, 0.99));
     power
-        .add_option("--precision-m", a.power.precision_m,
-                    "instead of power: half the interval of a difference in penetration, at most; 95 % for "
-                    "all six pairs at once. Time is then judged with --precision-s alone")
+        .add_option(
+            "--precision-m", a.power.precision_m,
+            "plan for precision instead of power: the half width that the 95 % confidence interval of "
+            "a difference in penetration may have, m, for all six pairs at once. Completion time is "
+            "then planned only with --precision-s")
         ->check(CLI::PositiveNumber);
     power
         .add_option("--precision-s", a.power.precision_s,
-                    "instead of power: the same of a difference in time")
+                    "plan for precision instead of power: the same for completion time, s")
         ->check(CLI::PositiveNumber);
-    power.add_option("--trials", a.power.trials, "of each subject and modality; fewer are shown beside")
+    power
+        .add_option("--trials", a.power.trials,
+                    "trials of each subject and modality; the results also show fewer")
         ->capture_default_str()
         ->check(CLI::Range(1, 100));
-    power.add_option("--from", a.from, "people like the one of this fit, instead of the population")
+    power
+        .add_option("--from", a.from,
+                    "folder of thimble fit: subjects like this person, instead of the population")
         ->type_name("FIT");
-    power.add_option("--pool", a.power.pool, "virtual subjects that studies are drawn from")
+    power
+        .add_option("--pool", a.power.pool,
+                    "number of virtual subjects to simulate; studies are drawn from them")
         ->capture_default_str()
         ->check(CLI::Range(10, 100000));
-    power.add_option("-s,--seed", a.power.seed, "the same seed gives the same numbers")
+    power
+        .add_option("-s,--seed", a.power.seed,
+                    "seed of all random numbers; the same seed gives the same numbers")
         ->capture_default_str();
-    power.add_option("-j,--jobs", a.power.jobs, "threads, 0: one per core; the results do not depend on it")
-        ->check(CLI::Range(0, 1024));
-    power.add_option("-o,--out", a.out, "folder for power.json, report.html and figures/");
-    power.add_flag("--overwrite", a.overwrite, "replace an earlier report in that folder");
-    power.add_flag("--json", a.json, "print power.json on stdout");
+    add_jobs_option(power, a.power.jobs);
+    power
+        .add_option("-o,--out", a.out,
+                    "folder for power.json, report.html and figures/; without it the command only prints the "
+                    "tables")
+        ->type_name("FOLDER");
+    power.add_flag("--overwrite", a.overwrite, "replace earlier results in the folder of --out");
+    power.add_flag("--json", a.json, "print power.json on stdout, instead of text");
 }
 
 }  // namespace
 
 Subcommand add_power(CLI::App& app, const std::string& typed) {
     const auto arguments = std::make_shared<PowerArguments>();
-    CLI::App* power = app.add_subcommand("power", "how many subjects and trials a study needs");
+    CLI::App* power = app.add_subcommand("power", "compute how many subjects and trials a study needs");
     add_session_option(*power, arguments->session,
-                       "session file (TOML) or name: its [operator] is the population, its rig and network "
-                       "those of the study");
+                       "session: a TOML file, or one that comes with the program. Its [operator] describes "
+                       "the population, its other tables the devices and the network of the study");
     add_options(*power, *arguments);
     power->footer(
-        "Examples:\n  thimble power --delay-s 0.05 --power 0.9 --json\n"
+        "Examples:\n  thimble power --delays-s 0.05 --power 0.9 --json\n"
         "  thimble power --delays-s 0,0.02,0.05 --power 0.8 --out out/power\n"
         "  thimble power --precision-m 0.001 --from out/fit\n"
-        "docs/fit.md is the manual.");
+        "Manual: docs/fit.md");
     return {power, [arguments, typed] { return say_power(*arguments, typed); }};
 }
 

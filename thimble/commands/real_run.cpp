@@ -8,6 +8,7 @@
 #include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "common/network_settings.hpp"
+#include "common/own_program.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
@@ -29,25 +30,29 @@ void check_screen(const SystemSettings& settings, const std::shared_ptr<NodeStar
 }
 
 void add_participant_options(CLI::App& command, ParticipantRun& run) {
-    const auto group = "A participant's session (session files with [protocol])";
+    const auto group = "For a session with a participant (session files with [protocol])";
     PersonDescription& person = run.person;
-    command.add_option("--participant", run.participant, "P and a number, e.g. P07: which row of the order")
+    command
+        .add_option("--participant", run.participant,
+                    "P and a number, e.g. P07; it selects the participant's order of trials")
         ->group(group);
-    command.add_flag("--resume", run.resume, "go on where this participant's session was interrupted")
+    command.add_flag("--resume", run.resume, "continue this participant's interrupted session")->group(group);
+    command.add_flag("--consent", person.consent, "states that this person gave informed consent")
         ->group(group);
-    command.add_flag("--consent", person.consent, "the person gave informed consent")->group(group);
     command
         .add_flag("--commands", run.commands,
-                  "ask before each trial and read the answers from standard input, also if it is no terminal")
+                  "ask before each trial on standard input, even if it is not a terminal")
         ->group(group);
-    command.add_option("--age", person.age, "whole years")->group(group);
-    command.add_option("--sex", person.sex, "M, F or O")
+    command.add_option("--age", person.age, "in whole years")->group(group);
+    command.add_option("--sex", person.sex, "M, F, O or n/a")
         ->check(CLI::IsMember({"M", "F", "O", "n/a"}))
         ->group(group);
-    command.add_option("--handedness", person.handedness, "left, right or ambidextrous")
+    command.add_option("--handedness", person.handedness, "left, right, ambidextrous or n/a")
         ->check(CLI::IsMember({"left", "right", "ambidextrous", "n/a"}))
         ->group(group);
-    command.add_option("--haptic-experience", person.haptic_experience, "none, some or expert")
+    command
+        .add_option("--haptic-experience", person.haptic_experience,
+                    "with force-feedback devices: none, some, expert or n/a")
         ->check(CLI::IsMember({"none", "some", "expert", "n/a"}))
         ->group(group);
 }
@@ -55,28 +60,27 @@ void add_participant_options(CLI::App& command, ParticipantRun& run) {
 // The session file has no [protocol]: throws Error (usage) if its subject is a person, or one of the options above was given.
 void refuse_participant_options(const ParticipantRun& run, const SystemSettings& settings) {
     if (settings.plan.kind == SubjectKind::kHuman) {
-        throw Error(
-            ExitCode::kUsage,
-            "[session] subject is \"human\", but there is no table [protocol] to say what a person is to "
-            "do: add one, e.g. as in deploy/sessions/human.toml");
+        throw Error(ExitCode::kUsage,
+                    "[session] subject is \"human\", but the session file has no table [protocol], which "
+                    "lists a person's trials: add one, as in deploy/sessions/human.toml");
     }
     if (run.participant.empty() && !run.resume && !run.person.consent && !run.commands) return;
     throw Error(ExitCode::kUsage,
-                "--participant, --resume, --consent and --commands are of a participant's session, and this "
-                "session file has no table [protocol]: add one, or leave them out");
+                "--participant, --resume, --consent and --commands need a session file with a table "
+                "[protocol], and this one has none: add one, or leave these options out");
 }
 
 void say_participant(const ParticipantSessionResult& result, const std::filesystem::path& out, bool json) {
     const std::string id = participant_id(result.participant);
     if (!json && result.declined) {
-        const std::string kept =
-            result.kept ? "no further trial was run, and what was recorded before is kept in " + out.string()
-                        : "no trial was run, and nothing of the person is kept";
-        fmt::print("{}: did not consent; {}\n", id, kept);
+        const std::string kept = result.kept
+                                     ? "no further trial was run; earlier trials are kept in " + out.string()
+                                     : "no trial was run, and no data about the person are kept";
+        fmt::print("{} did not consent: {}\n", id, kept);
         return;
     }
     if (!json) {
-        fmt::print("{}: {} of {} trials, {} records of which {} repeat another: {}\n", id,
+        fmt::print("{}: {} of {} trials are complete, {} records of which {} are repeats: {}\n", id,
                    result.trials_begun, result.trials_planned, result.records, result.repeats, out.string());
         return;
     }
@@ -99,8 +103,8 @@ int run_participant_for_real(RealRunArguments& arguments, const SystemSettings& 
     }
     if (settings.protocol->blinded && (arguments.monitor || !arguments.plotjuggler.empty())) {
         throw Error(ExitCode::kUsage,
-                    "[protocol] blinded hides modality and delay from the experimenter, and --monitor and "
-                    "--plotjuggler show them: leave these out, or set blinded = false");
+                    "[protocol] blinded hides modality and delay from the experimenter, but --monitor and "
+                    "--plotjuggler show them: leave these options out, or set blinded = false");
     }
     ParticipantRun& run = arguments.participant;
     run.starter = arguments.run.starter;
@@ -132,23 +136,25 @@ int run_participant_for_real(RealRunArguments& arguments, const SystemSettings& 
 }  // namespace
 
 void add_real_run_options(CLI::App& command, RealRunArguments& a) {
-    add_session_option(command, a.config, "session file (TOML), or one that comes with the program: delay50")
+    add_session_option(command, a.config, "session file (TOML), or the name of a built-in one, e.g. delay50")
         ->required();
     a.out_option = command
                        .add_option("-o,--out", a.run.out,
-                                   "folder for the results; of a participant session: out/dataset")
+                                   "folder for the results; a participant's go to out/dataset by default")
+                       ->type_name("FOLDER")
                        ->default_val("out/run");
     add_base_port_option(command, a.base_port);
     command.add_flag("--overwrite", a.run.overwrite, "replace earlier results in that folder");
-    command.add_flag("--strict-rt", a.run.strict_rt, "exit with 4 if a node missed too many deadlines");
+    command.add_flag("--strict-rt", a.run.strict_rt, "exit with 4 if a program missed too many deadlines");
     command.add_flag("--monitor", a.monitor,
-                     "feed an experimenter's view and take its orders (ports 23 and 24 of docs/protocol.md)");
+                     "accept an experimenter's view: show it the session and obey its requests (ports 23 and "
+                     "24, docs/protocol.md)");
     command
-        .add_option("--plotjuggler", a.plotjuggler,
-                    "send what the session knows, undelayed, to PlotJuggler's UDP server (JSON, 100 Hz; its "
-                    "port is 9870)")
+        .add_option(
+            "--plotjuggler", a.plotjuggler,
+            "send live values without delay to PlotJuggler's UDP server (JSON, 100 Hz, usually port 9870)")
         ->type_name("[HOST:]PORT");
-    command.add_flag("--json", a.json, "print summary.json on stdout");
+    command.add_flag("--json", a.json, "print summary.json on stdout, instead of text");
     add_participant_options(command, a.participant);
 }
 
@@ -163,7 +169,8 @@ int run_for_real(const RealRunArguments& given, const SystemSettings& settings,
     options.stop = &stop_requested();
     options.made_with = made_with({arguments.config});
     require_protection(options.network);
-    if (is_real(settings.handle.kind)) require_protection_of_handle(options.network);
+    if (is_real(settings.handle.kind) || settings.slave.device != SlaveDevice::kSimulated)
+        require_protection_of_handle(options.network);
     // It names delays and modalities; `thimble check` and `thimble doctor` say it, too.
     const bool blinded = settings.protocol && settings.protocol->blinded;
     const std::string warning = blinded ? "" : energy_warning(settings);

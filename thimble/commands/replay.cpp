@@ -29,9 +29,9 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
 void refuse_overwriting(const ReplayOptions& options, const std::filesystem::path& events) {
     const auto differ = [](const std::filesystem::path& a, const std::filesystem::path& b) {
         if (same_file(a, b)) {
-            throw Error(ExitCode::kUsage, fmt::format("{} is named twice: needle, output and events must be "
-                                                      "three files",
-                                                      a.string()));
+            throw Error(
+                ExitCode::kUsage,
+                fmt::format("{} is named twice: needle, output and events must be three files", a.string()));
         }
     };
     differ(options.needle, options.out);
@@ -44,12 +44,10 @@ void refuse_start_inside(const SceneDeclaration& scene, const ReplayOptions& opt
                          const NeedlePath::Sample& first) {
     for (const ElementDeclaration& element : scene.elements) {
         if (element.kind != ElementKind::kTissue || first.position_m <= element.position_m) continue;
-        throw Error(
-            ExitCode::kData,
-            fmt::format("{}:{}: the needle starts at {} m, inside '{}' whose surface is at {} m: begin "
-                        "the recording outside",
-                        options.needle.string(), first.line, first.position_m, element.name,
-                        element.position_m));
+        throw Error(ExitCode::kData, fmt::format("{}:{}: the needle starts at {} m, inside '{}' whose "
+                                                 "surface is at {} m: start the recording outside the tissue",
+                                                 options.needle.string(), first.line, first.position_m,
+                                                 element.name, element.position_m));
     }
 }
 

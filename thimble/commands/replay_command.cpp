@@ -41,11 +41,13 @@ int run_replay(ReplayArguments& arguments) {
         fmt::print("{}\n", json_text(summary, 2));
     } else {
         fmt::print(
-            "{} samples over {:g} s, {} transitions, greatest force {:.4g} N\nforces: {}\nevents: {}\n",
-            result.samples, result.duration_s, result.transitions, result.force_peak_N, options.out.string(),
-            result.events.string());
+            "{} samples over {:g} s, {} events, greatest force {:.4g} N\n"
+            "events: {}\n"
+            "results: {}\n",
+            result.samples, result.duration_s, result.transitions, result.force_peak_N,
+            result.events.string(), options.out.string());
     }
-    if (!result.complete) spdlog::error("interrupted; the {} samples done are kept", result.samples);
+    if (!result.complete) spdlog::error("interrupted; the {} finished samples are kept", result.samples);
     return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 
@@ -55,31 +57,40 @@ Subcommand add_replay(CLI::App& app) {
     const auto arguments = std::make_shared<ReplayArguments>();
     ReplayOptions& r = arguments->options;
     std::vector<std::string> solvers(kSolverNames.begin(), kSolverNames.end());
-    CLI::App* sub = app.add_subcommand("replay", "a recorded or synthetic needle through a scene, offline");
-    sub->add_option("--scene", r.scene, "scene file (TOML), or one that comes with the program")
+    CLI::App* sub = app.add_subcommand("replay", "compute the forces of a scene on a recorded needle");
+    sub->add_option("--scene", r.scene, "scene file (TOML), or the name of a built-in one")
+        ->type_name("FILE|NAME")
         ->default_val(kPaperScene);
-    sub->add_option("--needle", r.needle, "CSV with columns time_s and position_needle_m")->required();
-    sub->add_option("-o,--out", r.out,
-                    "forces and surface, a line per sample, replaced if it exists: a file that ends in .csv, "
-                    "or a folder for forces.csv")
+    sub->add_option("--needle", r.needle,
+                    "needle movement: a CSV file with the columns time_s and position_needle_m")
+        ->type_name("FILE")
         ->required();
-    sub->add_option("--events", r.events, "transitions (default: OUT with .events.csv for .csv)");
-    sub->add_option("--solver", r.solver, "how tissue is stepped")
+    sub->add_option("-o,--out", r.out,
+                    "CSV file for forces and surface, one line per sample, or a folder for forces.csv; "
+                    "replaced if it exists")
+        ->type_name("FILE|FOLDER")
+        ->required();
+    sub->add_option(
+           "--events", r.events,
+           "CSV file for the events, such as punctures; default: --out with .events.csv instead of .csv")
+        ->type_name("FILE");
+    sub->add_option("--solver", r.solver, "method that computes the tissue")
         ->default_val(solvers.front())
         ->check(CLI::IsMember(solvers));
     sub->add_option("--solver-step-s", r.solver_step_s,
-                    "longest step of a solver that steps; exact needs none")
+                    "longest time step of the solver, s; not used by exact")
         ->default_val(r.solver_step_s)
         ->check(CLI::Range(1e-9, 1e3));
-    sub->add_option("--longest-gap-s", r.limits.longest_gap_s, "samples further apart are refused as a gap")
+    sub->add_option("--longest-gap-s", r.limits.longest_gap_s, "longest allowed gap between two samples, s")
         ->default_val(r.limits.longest_gap_s)
         ->check(CLI::PositiveNumber);
-    sub->add_flag("--json", arguments->json, "print a summary as JSON on stdout");
+    sub->add_flag("--json", arguments->json, "print a summary as JSON on stdout, instead of text");
     std::string scenes;
     for (const BuiltInScene& scene : built_in_scenes()) scenes += fmt::format(" {}", scene.name);
     sub->footer(
-        fmt::format("Scenes that come with the program:{}\n"
-                    "Example:\n  thimble replay --scene paper.toml --needle needle.csv --out forces.csv",
+        fmt::format("Built-in scenes:{}\n"
+                    "Example:\n"
+                    "  thimble replay --scene paper.toml --needle needle.csv --out forces.csv",
                     scenes));
     return {sub, [arguments] { return run_replay(*arguments); }};
 }

@@ -15,14 +15,17 @@ Subcommand add_report(CLI::App& app, const std::string& typed) {
         std::string run_folder, study_folder, out;
     };
     const auto a = std::make_shared<Arguments>();
-    CLI::App* report = app.add_subcommand("report", "one report.html from a run, a study, or both");
-    report->add_option("--run", a->run_folder, "folder of a thimble run");
-    report->add_option("--study", a->study_folder, "folder of a thimble study");
+    CLI::App* report = app.add_subcommand("report", "write one report.html about a run, a study, or both");
+    report->add_option("--run", a->run_folder, "folder that thimble run has written")->type_name("FOLDER");
+    report->add_option("--study", a->study_folder, "folder that thimble study has written")
+        ->type_name("FOLDER");
     report
         ->add_option(
             "-o,--out", a->out,
-            "the report, replaced if it exists: a file that ends in .html, or a folder for report.html")
-        ->default_val("out/report.html");
+            "report to write; an earlier one is replaced. A file that ends in .html, or a folder for "
+            "report.html")
+        ->default_val("out/report.html")
+        ->type_name("FILE|FOLDER");
     report->footer("Example:\n  thimble report --run out/run --study out/study --out out/report.html");
     return {
         report, [a, typed] {
@@ -31,7 +34,7 @@ Subcommand add_report(CLI::App& app, const std::string& typed) {
                 fmt::print("{}\n", answer.of);
                 for (const std::string& sentence : answer.sentences) fmt::print("  {}\n", sentence);
             }
-            fmt::print("report: {}\n", file.string());
+            fmt::print("results: {}\n", file.string());
             return 0;
         }};
 }

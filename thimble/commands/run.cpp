@@ -31,12 +31,11 @@ namespace {
 std::vector<Duration> delay_of_running_nodes(const SystemSettings& settings) {
     const Duration theirs = settings.netem.force.delay;
     if (!settings.plan.names_delays || settings.plan.delays == std::vector{theirs}) return {theirs};
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("[session] delays_s asks for other delays than nodes that run already have, which "
-                    "is one, {} s with this file: name one, and no profile in [netem.force], in this "
-                    "file and in that of the running thimble-netem",
-                    to_seconds(theirs)));
+    throw Error(ExitCode::kUsage,
+                fmt::format("the running programs have one delay, {} s by this file, but [session] delays_s "
+                            "names others: name one delay, and no profile in [netem.force], in this file and "
+                            "in the file of the running thimble-netem",
+                            to_seconds(theirs)));
 }
 
 class Run {
@@ -48,10 +47,9 @@ class Run {
           delays_(options.starter ? settings.plan.delays : delay_of_running_nodes(settings)) {
         const std::size_t ports = condition_count() * static_cast<std::size_t>(Port::kCount);
         if (options.network.base_port + ports <= 65536) return;
-        throw Error(ExitCode::kUsage,
-                    fmt::format("{} conditions need {} ports from {} on, but ports end at 65535: choose a "
-                                "smaller base_port in [network]",
-                                condition_count(), ports, options.network.base_port));
+        throw Error(ExitCode::kUsage, fmt::format("{} conditions need {} ports from {} on, but the last port "
+                                                  "is 65535: choose a smaller base_port in [network]",
+                                                  condition_count(), ports, options.network.base_port));
     }
 
     RunResult run() {
@@ -60,7 +58,7 @@ class Run {
         table_ = &table;
         if (options_.overwrite) remove_earlier_logs();
         if (by(RunClock::kWall)) {
-            progress_.say("measuring a bare round trip between two processes");
+            progress_.say("measuring the round trip between two processes, without a session");
             bare_ = measure_ping_pong(options_.runtime);
         }
         const SessionTime begin = wall_now();
@@ -89,14 +87,19 @@ class Run {
 
     bool by(RunClock clock) const { return options_.clock == clock; }
     // Virtual time has Thimble's programs alone.
-    bool compares() const { return !by(RunClock::kVirtual) && settings_.launch.own_program_key().empty(); }
+    // A plug-in that crashed or hung would do so again, for as long as the limit of run_isolated().
+    bool compares() const {
+        const bool plugin_failed =
+            result_.code != ExitCode::kOk && settings_.master.control.compensator == Compensator::kPlugin;
+        return !by(RunClock::kVirtual) && settings_.launch.own_program_key().empty() && !plugin_failed;
+    }
     bool elsewhere() const { return options_.starter && runs_elsewhere(*options_.starter); }
 
     unsigned condition_count() const {
         if (by(RunClock::kVirtual) || options_.step) return 1;
         if (held_by_person(settings_.handle.kind))
             return 1;  // one hand, and one device that can be opened once
-        // By itself one where other machines take part: how many cores those have is not known here.
+        // One condition at a time if other machines take part: their number of cores is unknown here.
         const unsigned cores = elsewhere() ? 1 : std::thread::hardware_concurrency();
         const unsigned by_itself = by(RunClock::kLockStep) ? cores : cores / 2;
         const unsigned wanted = settings_.plan.parallel_conditions > 0
@@ -247,7 +250,7 @@ class Run {
                            metrics.oscillates ? "oscillates" : "settles");
     }
 
-    // An earlier problem, a full disk perhaps, is not hidden by a later one.
+    // Keeps an earlier problem, such as a full disk.
     void conclude() {
         try {
             repeat_virtually();
@@ -273,7 +276,7 @@ class Run {
 
     ReportSection timing_section() const {
         ReportSection timing;
-        timing.title = "How well time was kept";
+        timing.title = "Accuracy of the timing";
         timing.tables = {round_trip_table(result_.rows, bare_), clock_table(clocks_), deadline_table(nodes_),
                          refusal_table(nodes_)};
         std::array extra{security_table(nodes_), stale_table(nodes_)};
@@ -289,9 +292,8 @@ class Run {
         section.title = "The clock";
         const bool one_program = by(RunClock::kVirtual);
         section.text = fmt::format(
-            "{}, whose clock jumps from event to event: {:.1f} s of it took {:.1f} s. So this run has no "
-            "{}round trip "
-            "by the wall clock and no lateness.",
+            "{}, whose clock jumps from event to event: {:.1f} s of it took {:.1f} s. Therefore this run has "
+            "no {}round trip by the wall clock and no lateness.",
             one_program ? "All processes of the session were in one program"
                         : "The programs of the session took their time from thimble run",
             time_.simulated_s, time_.wall_s, one_program ? "reports and logs of nodes, no " : "");

@@ -1,5 +1,5 @@
 // `thimble run`: the experiment with the real processes over UDP, in real time, one trial per modality and
-// delay; then the same trials in virtual time, to see whether both ways agree. Or by another clock (docs/lock-step.md).
+// delay; then the same trials in virtual time, to see whether both ways agree. Or by another clock (docs/clocks.md).
 #pragma once
 
 #include <array>
@@ -40,7 +40,8 @@ struct RunOptions {
     bool overwrite = false;
     bool strict_rt = false;
     const std::atomic<bool>* stop = nullptr;
-    // An experimenter's view: who feeds it, in every condition, and whether it has asked to stop. None: nobody watches.
+    // The observer of every condition, for an experimenter's view, and whether the view has asked to stop. Empty: no
+    // observer.
     MakeObserver make_observer{};
     std::function<bool()> quit{};
 };

@@ -9,10 +9,12 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/own_program.hpp"
 #include "common/runtime/standard_streams.hpp"
 #include "session/launch/node_starter.hpp"
-#include "session/launch/port_table.hpp"
 #include "session/launch/remote_starter.hpp"
+#include "session/launch/ros2_programs.hpp"
+#include "session/launch/unit_files.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/machines.hpp"
 #include "thimble/commands/real_run.hpp"
@@ -28,19 +30,20 @@ struct RunArguments : RealRunArguments {
     CLI::Option* answer_limit_option = nullptr;
 };
 
-void take_ros2_master(LaunchSettings& launch, bool as_services) {
-    auto& master = launch.own_programs.at(static_cast<std::size_t>(Role::kMaster));
-    if (!master.empty()) return;
+void take_ros2_program(const Ros2Program& ros2, LaunchSettings& launch, bool as_services) {
+    auto& program = launch.own_programs.at(static_cast<std::size_t>(ros2.role));
+    if (!program.empty()) return;
     if (launch.anywhere_else())
         throw Error(
             ExitCode::kUsage,
-            "[handle] device = \"ros2\" is for sessions on one machine: leave the keys machine_... of "
-            "[launch] out");
+            "{} device = \"ros2\" works on one machine only: remove the keys machine_... from [launch]",
+            ros2.table);
     if (as_services)
         throw Error(ExitCode::kUsage,
-                    "[handle] device = \"ros2\": --print systemd has no unit for its master, "
-                    "thimble-ros2-master: start the session by 'thimble run' without --print");
-    master = ros2_master();
+                    "{} device = \"ros2\": --print systemd has no unit for {}: start the session with "
+                    "'thimble run', without --print",
+                    ros2.table, ros2.name);
+    program = path_of(ros2);
 }
 
 LaunchSettings launch_of(const RunArguments& arguments, const SystemSettings& settings) {
@@ -48,8 +51,9 @@ LaunchSettings launch_of(const RunArguments& arguments, const SystemSettings& se
     if (!arguments.exec.empty()) launch.exec = arguments.exec;
     if (!arguments.programs.empty()) launch.programs = arguments.programs;
     if (exec_words(launch, "x").empty())
-        throw Error(ExitCode::kUsage, "--exec is empty: leave it out for ssh");
-    if (settings.handle.kind == HandleKind::kRos2) take_ros2_master(launch, arguments.print == "systemd");
+        throw Error(ExitCode::kUsage, "--exec is empty: give a command, or leave it out to use ssh");
+    for (const Ros2Program& ros2 : ros2_programs(settings))
+        take_ros2_program(ros2, launch, arguments.print == "systemd");
     return launch;
 }
 
@@ -67,32 +71,32 @@ RunClock clock_of(const RunArguments& arguments) {
 // Throws Error (usage): this clock, and something that keeps to the wall clock.
 void check_clock(const RunArguments& a, const SystemSettings& settings) {
     const char* const only_lock_step = a.step                               ? "--step"
-                                       : a.answer_limit_option->count() > 0 ? "--answer-limit"
+                                       : a.answer_limit_option->count() > 0 ? "--answer-limit-s"
                                                                             : nullptr;
     if (only_lock_step != nullptr && a.run.clock != RunClock::kLockStep)
-        throw Error(ExitCode::kUsage, "{} belongs to --clock lock-step: add that, or leave {} out",
+        throw Error(ExitCode::kUsage, "{} needs --clock lock-step: add that option, or leave {} out",
                     only_lock_step, only_lock_step);
     if (a.run.clock == RunClock::kWall) return;
     const auto refuse = [&a](const std::string& what, const char* remedy) {
-        throw Error(ExitCode::kUsage, "{} keeps to the wall clock: {}, or run without --clock {}", what,
-                    remedy, a.clock);
+        throw Error(ExitCode::kUsage, "{} does not work with --clock {}: {}, or leave out --clock", what,
+                    a.clock, remedy);
     };
     const std::string command = fmt::format("run --clock {}", a.clock);
-    require_simulated_hand(settings, command);
+    require_simulated_devices(settings, command);
     if (a.run.clock == RunClock::kVirtual) require_virtual_subjects(settings, command);
     if (settings.protocol) refuse("a participant's session ([protocol])", "leave that table out");
     if (settings.cutaneous.device != FingertipDevice::kSimulated)
         refuse("the fingertip device of [cutaneous]", "set device = \"simulated\"");
     if (settings.visual.window && a.run.clock == RunClock::kLockStep)
         refuse("a window ([visual])", "set display = \"recording\"");
-    if (a.attach) refuse("--attach, to nodes that run already,", "leave it out");
+    if (a.attach) refuse("--attach, which uses running programs,", "leave it out");
     if (launch_of(a, settings).anywhere_else() && a.run.clock == RunClock::kVirtual)
-        refuse("a node on another machine ([launch])", "leave its host out");
+        refuse("a program on another machine ([launch])", "remove that key machine_...");
     const bool watched = a.monitor || !a.plotjuggler.empty();
     if (watched && a.run.clock == RunClock::kVirtual)
-        refuse("a view", "leave --monitor and --plotjuggler out, or take --clock lock-step");
+        refuse("an observer", "leave out --monitor and --plotjuggler, or use --clock lock-step");
     if (settings.log.messages == LoggedMessages::kAll && a.run.clock == RunClock::kVirtual)
-        refuse("the log of all messages ([log])", "leave its messages out");
+        refuse("the log of all messages ([log])", "remove its key messages");
     if (a.run.strict_rt) refuse("--strict-rt", "leave it out");
 }
 
@@ -128,41 +132,42 @@ int run_nodes(RunArguments& arguments) {
 }
 
 void add_clock_options(CLI::App& run, RunArguments& a) {
-    run.add_option(
-           "--clock", a.clock,
-           "wall: real time; lock-step: the same programs by one granted clock, every bit repeatable; "
-           "virtual: the same trials in one program (docs/lock-step.md)")
+    run.add_option("--clock", a.clock,
+                   "wall: real time; lock-step: the same programs in a shared virtual time, same bits in "
+                   "every run; virtual: the same trials in one program, fastest (docs/clocks.md)")
         ->check(CLI::IsMember(std::vector<std::string>(kRunClockNames.begin(), kRunClockNames.end())))
         ->default_val("wall");
-    a.answer_limit_option = run.add_option("--answer-limit", a.answer_limit_s,
-                                           "in lock-step: seconds that a node, or a datagram, may take")
-                                ->check(CLI::Range(0.1, 1e6))
-                                ->type_name("SECONDS");
+    a.answer_limit_option =
+        run.add_option("--answer-limit-s", a.answer_limit_s,
+                       "with lock-step: longest wait for a program or a datagram, s (default 60)")
+            ->check(CLI::Range(0.1, 1e6));
     run.add_flag("--step", a.step,
-                 "in lock-step: pause before each instant, say which program is due, and ask how far to go "
+                 "with lock-step: pause before each event, show which program is next, and ask how far to go "
                  "(docs/howto/step-through.md)");
 }
 
 void add_machine_options(CLI::App& run, RunArguments& a) {
-    const auto group = "Other machines (session files with [launch])";
-    CLI::Option* const attach = run.add_flag(
-        "--attach", a.attach,
-        "steer nodes that run already (on one machine or several, see [network]) instead of starting five; "
-        "their own session file sets the delay");
+    const auto group = "For other machines (session files with [launch])";
+    CLI::Option* const attach =
+        run.add_flag("--attach", a.attach,
+                     "use programs that run already, on one machine or several, instead of starting them; "
+                     "the session file of thimble-netem sets the delay");
     attach->group(group);
     run.add_option("--exec", a.exec,
-                   "the command that runs a command on {host}, instead of [launch].exec (ssh)")
+                   "command that runs a command on {host}, instead of [launch] exec (default ssh)")
         ->type_name("COMMAND")
         ->group(group);
-    run.add_option("--programs", a.programs, "folder of the programs there, instead of [launch].programs")
+    run.add_option("--programs", a.programs,
+                   "folder of Thimble's programs on the other machines, instead of [launch] programs")
         ->type_name("FOLDER")
         ->group(group);
-    CLI::Option* const check = run.add_flag(
-        "--check", a.check, "start nothing: is each machine reached, has it the program, in this version?");
+    CLI::Option* const check =
+        run.add_flag("--check", a.check,
+                     "start nothing: check that each machine answers and has this version of the programs");
     check->group(group)->excludes(attach);
-    run.add_option("--print", a.print,
-                   "start nothing: print units for services (into folders, with --out), or the ports that "
-                   "cross between machines")
+    run.add_option(
+           "--print", a.print,
+           "start nothing: print systemd units (to files with --out), or the UDP ports between machines")
         ->check(CLI::IsMember({"systemd", "ports"}))
         ->group(group)
         ->excludes(attach)
@@ -175,9 +180,7 @@ Subcommand add_run(CLI::App& app, const std::string& typed) {
     const auto arguments = std::make_shared<RunArguments>();
     arguments->run.command = typed;
     CLI::App* run = app.add_subcommand(
-        "run",
-        "one trial per modality and delay, or, with a [protocol], one participant's session: "
-        "five real processes over UDP, on this machine or on those that [launch] names");
+        "run", "run the trials of a session in real time, on one machine or several, and save the results");
     add_real_run_options(*run, *arguments);
     add_clock_options(*run, *arguments);
     add_machine_options(*run, *arguments);
@@ -191,7 +194,7 @@ Subcommand add_run(CLI::App& app, const std::string& typed) {
         "  thimble run deploy/sessions/three_machines.toml --check\n"
         "  thimble run session.toml --exec \"ip netns exec {host}\" --programs /opt/thimble/bin\n"
         "  thimble run session.toml --print systemd --out units\n\n"
-        "docs/machines.md is the manual for several machines.");
+        "Manual for several machines: docs/machines.md.");
     return {run, [arguments] { return run_nodes(*arguments); }};
 }
 

@@ -13,7 +13,7 @@
 namespace thimble {
 
 void add_base_port_option(CLI::App& command, int& base_port) {
-    command.add_option("--base-port", base_port, "first UDP port, instead of [network].base_port")
+    command.add_option("--base-port", base_port, "first UDP port, instead of [network] base_port")
         ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
         ->type_name("PORT");
 }
@@ -38,9 +38,10 @@ std::filesystem::path output_file(const std::filesystem::path& out, const char* 
     return file ? out : out / name;
 }
 
-// A misspelt option leaves its value to this argument: the option is what is to be reported, so the file is sought last.
+// Looks for the session file last: with a misspelt option this argument gets the option's value, and the option is
+// the error to report.
 CLI::Option* add_session_option(CLI::App& command, std::string& file, const std::string& help) {
-    CLI::Option* option = command.add_option("session", file, help);
+    CLI::Option* option = command.add_option("session", file, help)->type_name("FILE|NAME");
     command.final_callback([option, &file] {
         if (option->count() > 0) file = find_session_file(file).string();
     });
@@ -54,7 +55,7 @@ void say_results(bool json, const std::filesystem::path& folder, const std::vect
         return;
     }
     for (const std::string& sentence : answer(findings_of(rows))) fmt::print("{}\n", sentence);
-    fmt::print("report: {}\n", (folder / "report.html").string());
+    fmt::print("results: {}\n", (folder / "report.html").string());
 }
 
 }  // namespace thimble

@@ -8,7 +8,6 @@
 #include "analysis/report/report.hpp"
 #include "common/network_settings.hpp"
 #include "session/records/trial_table.hpp"
-#include "session/settings/session_files.hpp"
 #include "session/settings/system_settings.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
@@ -44,14 +43,12 @@ std::filesystem::path output_file(const std::filesystem::path& out, const char* 
 // The argument for a session file. After parsing, `file` has the path of a session that was named.
 CLI::Option* add_session_option(CLI::App& command, std::string& file, const std::string& help);
 
-// The master that speaks ROS 2, a program of its own (THIMBLE_ROS2). Throws Error (usage) where it is not there.
-std::filesystem::path ros2_master();
-
-// Throws Error (usage): a device of a node on this machine for which this build has no driver (THIMBLE_DEVICES=OFF) or program, or letters of
-// [instructions] that the window's font lacks (where there are windows).
+// Throws Error (usage): a device of a node on this machine for which this build has no driver (THIMBLE_DEVICES=OFF)
+// or program, or letters of [instructions] that the window's font lacks (where there are windows).
 void check_build(const SystemSettings& settings);
 
-// Prints the results of a run or a study: the answer in three sentences, and the report's place in `folder`. As JSON it prints the folder's summary.json instead.
+// Prints the results of a run or a study: the answer in three sentences, and the report's place in `folder`. As JSON
+// it prints the folder's summary.json instead.
 void say_results(bool json, const std::filesystem::path& folder, const std::vector<TrialRow>& rows);
 
 }  // namespace thimble

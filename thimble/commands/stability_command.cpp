@@ -183,7 +183,7 @@ void print_rows(const Json& table, const std::string& indent) {
 int run_stability(const StabilityArguments& a) {
     if (a.delay_s) require_delay(*a.delay_s);
     if (!std::isfinite(a.encoder_m + a.friction_N + a.force_limit_N)) {
-        throw Error(ExitCode::kUsage, "stability: encoder, friction and force limit must be finite");
+        throw Error(ExitCode::kUsage, "--encoder-m, --friction-N and --force-limit-N must be finite numbers");
     }
     Json all{{"mass_kg", a.loop.hand.mass_kg},
              {"damping_Ns_per_m", a.loop.hand.damping_Ns_per_m},
@@ -205,47 +205,55 @@ int run_stability(const StabilityArguments& a) {
 }
 
 void add_loop_options(CLI::App& command, StabilityArguments& a) {
-    command.add_option("--mass-kg", a.loop.hand.mass_kg, "hand and handle, moved together")->required();
-    command.add_option("--damping-Ns-per-m", a.loop.hand.damping_Ns_per_m, "of hand and handle")->required();
-    command.add_option("--stiffness-N-per-m", a.loop.hand.stiffness_N_per_m, "of the hand")->required();
+    command.add_option("--mass-kg", a.loop.hand.mass_kg, "mass of hand and handle together, kg")->required();
     command
-        .add_option(
-            "--contact-stiffness-N-per-m", a.loop.stiffness_N_per_m,
-            "of the fixture, seen at the handle: position scale x force scale x stiffness at the needle")
+        .add_option("--damping-Ns-per-m", a.loop.hand.damping_Ns_per_m, "damping of hand and handle, Ns/m")
         ->required();
-    command.add_option("--delay-s", a.delay_s, "of the whole way round");
-    command.add_option("--step-s", a.step_s, "between two samples, for which a force is held");
+    command.add_option("--stiffness-N-per-m", a.loop.hand.stiffness_N_per_m, "stiffness of the hand, N/m")
+        ->required();
+    command
+        .add_option("--contact-stiffness-N-per-m", a.loop.stiffness_N_per_m,
+                    "stiffness of the fixture at the handle, N/m: position scale x force scale x stiffness "
+                    "at the needle")
+        ->required();
+    command.add_option("--delay-s", a.delay_s, "round-trip delay to examine, s");
+    command.add_option("--step-s", a.step_s, "sampling period, s; a force is held for one period");
 }
 
 void add_press_options(CLI::App& command, StabilityArguments& a) {
     const auto not_negative = CLI::NonNegativeNumber;
-    command.add_option("--press-N", a.press_N,
-                       "force with which the hand would press at the wall (half of the limit)");
-    command.add_option("--force-limit-N", a.force_limit_N, "of the handle")
+    command.add_option(
+        "--press-N", a.press_N,
+        "force with which the hand presses on the fixture, N (default: half of --force-limit-N)");
+    command.add_option("--force-limit-N", a.force_limit_N, "force limit of the handle, N")
         ->default_val(12)
         ->check(CLI::PositiveNumber);
-    command.add_option("--encoder-m", a.encoder_m, "one step of the handle's encoder")->check(not_negative);
-    command.add_option("--friction-N", a.friction_N, "dry friction of the handle")->check(not_negative);
-    command.add_option(
-        "--perception-lag-s", a.lag_s,
-        "delay + device + reaction: the gain at which a person led by fingertips or eyes oscillates");
+    command.add_option("--encoder-m", a.encoder_m, "resolution of the handle's encoder, m (default: 0)")
+        ->check(not_negative);
+    command.add_option("--friction-N", a.friction_N, "dry friction of the handle, N (default: 0)")
+        ->check(not_negative);
+    command.add_option("--perception-lag-s", a.lag_s,
+                       "lag of a person who corrects by fingertips or eyes, s: delay, device and reaction "
+                       "time together. The "
+                       "command then computes the gain at which this person oscillates");
     command.add_flag("--json", a.json,
-                     "print JSON instead of a table; what is infinite or was not asked is null");
+                     "print JSON on stdout, instead of a table; null: infinite, or not computed");
 }
 
 }  // namespace
 
 Subcommand add_stability(CLI::App& app) {
     const auto arguments = std::make_shared<StabilityArguments>();
-    CLI::App* command = app.add_subcommand(
-        "stability", "theory: which delay and which stiffness a hand bears, and how it oscillates beyond");
+    CLI::App* command =
+        app.add_subcommand("stability", "compute the critical delay and stiffness of a hand, by theory");
     add_loop_options(*command, *arguments);
     add_press_options(*command, *arguments);
     command->footer(
         "Example, a firm grip at the paper's fixture and delay:\n"
         "  thimble stability --mass-kg 1 --damping-Ns-per-m 20 --stiffness-N-per-m 500 \\\n"
         "      --contact-stiffness-N-per-m 9000 --delay-s 0.05 --step-s 0.001 --press-N 5\n"
-        "Equations, signs and limits: docs/stability.md");
+        "Results at a delay need --delay-s, results of the sampled loop --step-s.\n"
+        "Manual, with the equations: docs/stability.md");
     return {command, [arguments] { return run_stability(*arguments); }};
 }
 

@@ -1,11 +1,11 @@
 #include "thimble/commands/step_prompt.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <csignal>
 
 #include <fmt/format.h>
 
+#include "common/decimal_text.hpp"
 #include "common/duration_text.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
@@ -22,10 +22,7 @@ constexpr double kLongest_s = 1e6;
 // Of a number without a unit: seconds.
 std::optional<double> seconds_in(std::string_view text) {
     if (const auto with_unit = parse_duration(text)) return with_unit;
-    double seconds = 0;
-    const auto read = std::from_chars(text.data(), text.data() + text.size(), seconds);
-    if (read.ec != std::errc{} || read.ptr != text.data() + text.size()) return std::nullopt;
-    return seconds;
+    return parse_number(text);
 }
 
 double seconds_of(SessionTime time) { return to_seconds(time.time_since_epoch()); }
@@ -55,7 +52,7 @@ std::string pause_text(SteppedSession& session) {
     std::string text = fmt::format("trial {}, {} {}, at {:.6f} s: ", trial.trial, delay_text(trial.delay_s),
                                    to_string(trial.modality), seconds_of(session.now()));
     const ForceFeedback* const newest = session.session().recorder().newest();
-    text += newest == nullptr ? "no answer of slave_sim yet\n"
+    text += newest == nullptr ? "slave_sim has not answered yet\n"
                               : fmt::format("needle {:.3f} mm, force {:.3f} N\n",
                                             1000 * newest->position_needle_m, newest->force_total_N);
     const std::vector<DueProgram> programs = session.due();

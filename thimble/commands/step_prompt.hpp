@@ -31,7 +31,7 @@ struct StepRequest {
 };
 
 inline constexpr const char* kStepHelp =
-    "Enter: the next instant; 50ms or 0.05: that far; c: to the end; q: end, as Ctrl-C does";
+    "Enter: next event; 50ms or 0.05: run that long; c: run to the end; q: quit";
 
 StepRequest parse_step(std::string_view line);
 

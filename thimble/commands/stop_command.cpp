@@ -45,7 +45,7 @@ int condition_count(const StopArguments& a) {
     return std::clamp(a.conditions == 0 ? 8 : a.conditions, 1, possible);
 }
 
-// The stop buses of all conditions, and what is said there.
+// Opens the stop buses of all conditions.
 template <class Talk>
 class Conditions {
   public:
@@ -78,7 +78,7 @@ class Conditions {
     std::vector<std::unique_ptr<Talk>> talks_;
 };
 
-// Says it ten times, it is carried out once, and asks who holds a stop.
+// Sends the stop ten times (it acts once), then asks which programs hold it.
 class StopCall {
   public:
     StopCall(std::uint64_t instance, const StopOutlets& at)
@@ -141,15 +141,13 @@ int stop(const StopArguments& a) {
     if (by.empty()) {
         throw Error(
             ExitCode::kNetwork,
-            fmt::format("nobody answered that a stop holds ({}): if a session runs there, it has NOT been "
-                        "stopped, or cannot answer. Name its session file, for its hosts, ports, rig and "
-                        "key, as the user who runs it: thimble stop SESSION.toml; or use Backspace in a "
-                        "window, or the device's "
-                        "power switch",
+            fmt::format("no program confirmed the stop ({}). A session that runs there has NOT been stopped, "
+                        "or cannot answer. As the user who runs it, name its session file: thimble stop "
+                        "SESSION.toml. Or press Backspace in a window, or switch the device off",
                         where(a)));
     }
-    fmt::print("emergency stop ({}): no force, no trial begins; held by {}; {}{}\n", where(a), by,
-               kHowToRelease, same_arguments(a));
+    fmt::print("emergency stop ({}): forces are off and no trial can begin; confirmed by {}; {}{}\n",
+               where(a), by, kHowToRelease, same_arguments(a));
     return 0;
 }
 
@@ -169,14 +167,13 @@ int release(const StopArguments& a) {
     }
     for (std::size_t condition = 0; condition < files.size(); ++condition) {
         if (!files[condition].release(kept[condition])) continue;
-        fmt::print("released, of a session that has ended: {}\n", kept[condition]->words);
+        fmt::print("released, although its session has ended: {}\n", kept[condition]->words);
         removed = true;
     }
     fmt::print("{} ({})\n",
-               answered ? "trials may begin again"
-               : removed
-                   ? "sessions may be started again here; no running program answered that it holds a stop"
-                   : "nothing was stopped here, as far as programs answer",
+               answered  ? "trials can begin again"
+               : removed ? "sessions can start again here; no running program answered that it holds a stop"
+                         : "nothing was stopped here, according to the programs that answered",
                where(a));
     return 0;
 }
@@ -187,22 +184,26 @@ Subcommand add_stop(CLI::App& app) {
     const auto arguments = std::make_shared<StopArguments>();
     StopArguments& a = *arguments;
     CLI::App* sub = app.add_subcommand(
-        "stop", "emergency stop of a running session: no force at the handle, cables slack, needle held");
-    add_session_option(*sub, a.config,
-                       "session file or name, for its [network] and [security]; without it this machine");
-    sub->add_flag("--release", a.release, "let trials begin again");
-    sub->add_option("--reason", a.reason, "goes into the record's words; no names");
+        "stop", "stop a running session at once: forces go to zero, cables go slack, the needle is held");
+    add_session_option(
+        *sub, a.config,
+        "session file (TOML) or built-in name, for its [network] and [security]; default: this machine");
+    sub->add_flag("--release", a.release, "release the stop, so that trials can begin again");
+    sub->add_option("--reason", a.reason, "reason, which is recorded; do not name people");
     add_base_port_option(*sub, a.base_port);
-    sub->add_option("--parallel-conditions", a.conditions, "so many conditions of a run side by side (8)")
+    sub->add_option("--parallel-conditions", a.conditions,
+                    "how many parallel conditions the run has (default 8)")
         ->check(CLI::Range(1, kMostConditions));
     sub->footer(
-        "Says which programs hold the stop; exit code 3 if none answers. Where thimble runs in this "
-        "terminal, "
-        "Ctrl-\\ does the same. A stop that a session ended with holds "
-        "for the next one on "
-        "its ports: release it on the machine of that session.\n"
-        "Examples:\n  thimble stop\n  thimble stop --release\n  thimble stop lab.toml --reason \"cable "
-        "loose\"");
+        "The command lists the programs that confirm the stop. It exits with 3 if none does.\n"
+        "In the terminal of a running thimble, Ctrl-\\ does the same.\n"
+        "The stop stays until you release it: no session can start on these ports before that. Release it on "
+        "the machine that runs the session.\n"
+        "\n"
+        "Examples:\n"
+        "  thimble stop\n"
+        "  thimble stop --release\n"
+        "  thimble stop lab.toml --reason \"cable loose\"");
     return {sub, [arguments] { return arguments->release ? release(*arguments) : stop(*arguments); }};
 }
 

@@ -15,10 +15,10 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/runtime/command_line.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "session/participant/dataset.hpp"
 #include "study/fit/fit.hpp"
-#include "study/fit/person_bound.hpp"
 #include "study/ranks/ranks.hpp"
 #include "study/study.hpp"
 #include "study/sweeps/seed_sweep.hpp"
@@ -39,7 +39,8 @@ struct StudyArguments {
     std::uint32_t seeds = 1;
     unsigned jobs = 0;
     SweepRequest sweep;
-    bool overwrite = false, resume = false, json = false, trajectories = false, no_control = false;
+    IfExists if_exists = IfExists::kRefuse;
+    bool json = false, trajectories = false, no_control = false;
 };
 
 // The sessions' trials. One session, or all three of the paper, which differ in nothing but their trials.
@@ -93,8 +94,8 @@ OtherValues other_values(const StudyArguments& a) {
 std::vector<Protocol> papers_protocols(const SystemSettings& settings, const StudyArguments& a) {
     if (settings.protocol || settings.plan.names_delays || settings.plan.names_modalities)
         throw Error(ExitCode::kUsage,
-                    fmt::format("{}: says which trials it has, and --experiment {} says it, too: leave out "
-                                "--experiment, or the file's [protocol], delays and modalities",
+                    fmt::format("{}: the session plans its own trials, but --experiment {} asks for others: "
+                                "leave out --experiment, or [protocol], delays and modalities of the file",
                                 a.session, a.experiment));
     constexpr std::array kExperiments{experiment_1, experiment_2, experiment_3};
     std::vector<Protocol> protocols;
@@ -132,9 +133,12 @@ std::vector<Compensator> compensators_of(const StudyArguments& a, const SystemSe
         if (settings.master.control.compensator == compensator)
             throw Error(
                 ExitCode::kUsage,
-                fmt::format("--compensators {}: HF has it already, by [control] of {}", name, a.session));
+                fmt::format(
+                    "--compensators {}: HF has this compensator already ([control] of {}): leave it out",
+                    name, a.session));
         if (std::find(compensators.begin(), compensators.end(), compensator) != compensators.end())
-            throw Error(ExitCode::kUsage, fmt::format("--compensators: {} is there twice", name));
+            throw Error(ExitCode::kUsage,
+                        fmt::format("--compensators: {} is given twice: leave one out", name));
         compensators.push_back(compensator);
     }
     return compensators;
@@ -158,14 +162,13 @@ std::string study_command(const StudyArguments& a, const StudyDesign& design) {
 // Many studies keep the paper's claims and nothing else. These need the paper's trials; other parameters are what may be asked about.
 void require_paper_trials(const std::vector<Protocol>& protocols) {
     if (std::all_of(protocols.begin(), protocols.end(), plans_paper_trials)) return;
-    throw Error(
-        ExitCode::kUsage,
-        "--seeds, --vary and --draws count how often the paper's claims come out, and this session's "
-        "delays, modalities or numbers of trials are not the paper's: leave these options out, or copy "
-        "[session] and [protocol] of a paper-experiment session");
+    throw Error(ExitCode::kUsage,
+                "--seeds, --vary and --draws count how often the paper's claims are reproduced, but the "
+                "delays, modalities or numbers of trials of this session are not the paper's: leave these "
+                "options out, or copy [session] and [protocol] from a session paper-experiment-N");
 }
 
-// Of one study, and of many.
+// Options of one study and of many.
 template <class Options>
 Options options_of(const StudyArguments& arguments, const StudyDesign& design) {
     Options options;
@@ -174,7 +177,7 @@ Options options_of(const StudyArguments& arguments, const StudyDesign& design) {
     options.command = study_command(arguments, design);
     options.made_with = design.made_with;
     options.jobs = arguments.jobs;
-    if (arguments.overwrite) options.if_exists = IfExists::kReplace;
+    options.if_exists = arguments.if_exists;
     options.stop = &stop_requested();
     return options;
 }
@@ -189,7 +192,6 @@ SweepOptions sweep_options(const StudyArguments& arguments, const StudyDesign& d
 StudyOptions study_options(const StudyArguments& arguments, const StudyDesign& design) {
     auto options = options_of<StudyOptions>(arguments, design);
     options.paper_design = design.paper;
-    if (arguments.resume) options.if_exists = IfExists::kContinue;
     options.trajectories = arguments.trajectories;
     if (arguments.axis != kCurveAxisNames[0]) options.curves = kPercentGrid;
     // A user's session names its delays itself.
@@ -213,75 +215,72 @@ int run_one_study(StudyArguments arguments) {
     if (arguments.seeds > 1) return sweep_seeds(design.settings, sweep_options(arguments, design));
     const StudyOptions options = study_options(arguments, design);
     const StudyResult result = run_study(design.settings, options);
-    if (result.resumed > 0) spdlog::info("{} trials were there already", result.resumed);
-    spdlog::info("{:.0f} s simulated in {:.2f} s: {:.0f} x real time", result.simulated_s, result.wall_s,
+    if (result.resumed > 0) spdlog::info("{} trials were already done", result.resumed);
+    spdlog::info("simulated {:.0f} s in {:.2f} s: {:.0f} x real time", result.simulated_s, result.wall_s,
                  result.simulated_s / result.wall_s);
     if (!arguments.json && !result.claims.empty()) fmt::print("{}.\n", claims_sentence(result.claims));
-    say_results(arguments.json, options.out, result.rows);
     if (!arguments.json && !options.person.empty()) fmt::print("{}", plain_table(options.person[0]));
+    say_results(arguments.json, options.out, result.rows);
     if (!result.complete)
-        spdlog::error("interrupted; the {} trials that had ended are kept: go on with --resume",
+        spdlog::error("interrupted: {} trials are done and saved; continue with --resume",
                       result.rows.size());
     return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 
-// Options that make it many studies.
+// Options that run many studies.
 std::vector<CLI::Option*> add_sweeps(CLI::App* study, StudyArguments& a) {
     CLI::Option* seeds =
         study
             ->add_option(
                 "--seeds", a.seeds,
-                "the whole study with that many seeds, from --seed on: how often does each claim come out?")
+                "run the whole study with this many seeds, from --seed on, and count how often each claim of "
+                "the paper is reproduced")
             ->default_val(1)
             ->check(CLI::Range(1, 1000000));
     CLI::Option* vary =
         study
             ->add_option("--vary", a.sweep.vary,
-                         "a parameter of operator or rig from LOW to HIGH in POINTS steps, --seeds studies "
-                         "each: which claims survive? May be given several times, one after another")
+                         "vary a parameter of the virtual operator or of a device from LOW to HIGH in POINTS "
+                         "steps. Each step runs --seeds studies and counts how often each claim of the paper "
+                         "is reproduced. May be given several times: each parameter varies alone")
             ->type_name("NAME=LOW:HIGH:POINTS")
             ->allow_extra_args(false);
     CLI::Option* draws =
         study
             ->add_option("--draws", a.sweep.draws,
-                         "that many studies, each with all uncertain parameters drawn anew within their "
-                         "ranges (or those of --vary NAME=LOW:HIGH)")
+                         "run this many studies. Each draws all uncertain parameters at random from their "
+                         "ranges, or from those of --vary NAME=LOW:HIGH")
             ->check(CLI::Range(1, 1000000))
             ->excludes(seeds);
     return {seeds, vary, draws};
 }
 
-// Options of a study by itself: of many, only the claims are kept.
+// Options of a single study; of many studies only the claims are kept.
 void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Option*>& sweeps) {
     CLI::Option* no_control = study->add_flag(
         "--no-control", a.no_control,
-        "of the paper's sessions: leave out the same trials without delay (control.csv) and without the "
-        "actuators' lag (no_lag.csv)");
+        "leave out the comparison trials of the paper's sessions: without delay (control.csv) and without "
+        "the actuators' lag (no_lag.csv)");
     CLI::Option* compensators =
         study
             ->add_option("--compensators", a.compensators,
-                         "the trials with HF again with each of these controllers against delay, into "
-                         "hf_NAME.csv, and compared: wave,energy-bound,... (docs/compensators.md)")
+                         "also run the HF trials with each of these delay compensators, e.g. "
+                         "wave,energy-bound (docs/compensators.md), compare them with HF, and write "
+                         "hf_NAME.csv")
             ->delimiter(',')
             ->type_name("NAME,...");
     CLI::Option* trajectories =
-        study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV");
+        study->add_flag("--trajectories", a.trajectories, "save the trajectory of every trial as CSV");
     CLI::Option* axis =
         study
             ->add_option("--axis", a.axis,
-                         "time in the figure of mean trajectories. contact: seconds from the first contact "
-                         "with the fixture, as in the "
-                         "paper; percent: of each trial's time from tissue entry to the beep")
+                         "time axis of the figure of mean trajectories. contact: seconds from the first "
+                         "contact with the fixture, as in the paper; percent: percent of the time from "
+                         "tissue entry to the beep")
             ->default_val(kCurveAxisNames[0])
             ->check(CLI::IsMember({std::string(kCurveAxisNames[0]), std::string(kCurveAxisNames[1])}));
-    CLI::Option* overwrite =
-        study->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
-    CLI::Option* resume =
-        study
-            ->add_flag("--resume", a.resume,
-                       "go on where an interrupted study of the same settings ended; the same bytes come out")
-            ->excludes(overwrite);
-    CLI::Option* json = study->add_flag("--json", a.json, "print summary.json on stdout");
+    CLI::Option* resume = add_resume_options(*study, a.if_exists, "study");
+    CLI::Option* json = study->add_flag("--json", a.json, "print summary.json on stdout, instead of text");
     CLI::Option* from = study->get_option("--from");
     for (CLI::Option* of_one_study : {from, no_control, compensators, trajectories, axis, resume, json}) {
         for (CLI::Option* of_many : sweeps) of_one_study->excludes(of_many);
@@ -293,34 +292,44 @@ void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Optio
 Subcommand add_study(CLI::App& app) {
     const auto arguments = std::make_shared<StudyArguments>();
     StudyArguments& a = *arguments;
-    CLI::App* study = app.add_subcommand("study", "a session's trials by virtual subjects, in virtual time");
+    CLI::App* study =
+        app.add_subcommand("study", "run a session's trials with virtual subjects, in virtual time");
     add_session_option(*study, a.session,
-                       "session file (TOML), or one that comes with the program: "
-                       "paper-experiment-1, -2, -3 (default)");
+                       "session: a TOML file, or one that comes with the program, e.g. paper-experiment-1, "
+                       "-2 or -3 (default)");
     study
         ->add_option("-e,--experiment", a.experiment,
-                     "the paper's trials. 1: no delay; 2: the fixture vanishes after 5 s of contact; 3: 50 "
-                     "ms on the force path; or all. With a session that names no trials: its operator, rig "
-                     "and network")
+                     "trials of one experiment of the paper, or of all three. 1: no delay; 2: the fixture "
+                     "vanishes after 5 s of contact; 3: 50 ms of delay on the force path. With a session "
+                     "that plans no trials: these trials with its operator, devices and network")
         ->check(CLI::IsMember({"1", "2", "3", "all"}));
     study
         ->add_option("-n,--subjects", a.subjects,
-                     "virtual subjects, instead of [protocol] subjects (16, in experiment 3 10)")
+                     "number of virtual subjects (default: [protocol] subjects, else 16, in experiment 3 10)")
         ->check(CLI::Range(1, 100000));
-    study->add_option("--order", a.order, "of trials: shuffled, as in the paper, or williams (balanced)")
+    study
+        ->add_option("--order", a.order,
+                     "order of the trials: shuffled, as in the paper, or williams, balanced (default: "
+                     "[session] order)")
         ->check(CLI::IsMember({"shuffled", "williams"}));
     study
-        ->add_option("--from", a.from,
-                     "the twin: every subject is the person of this fit (thimble fit), with another chance "
-                     "in every trial")
+        ->add_option(
+            "--from", a.from,
+            "folder of thimble fit: each subject is the person of this fit, with new random numbers in each "
+            "trial")
         ->type_name("FIT");
-    study->add_option("-s,--seed", a.seed,
-                      "instead of [session] seed (1); the same seed gives the same bytes");
-    study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
-    study->add_option("-j,--jobs", a.jobs, "threads, 0: one per core; the results do not depend on it")
-        ->check(CLI::Range(0, 1024));
+    study->add_option(
+        "-s,--seed", a.seed,
+        "seed of all random numbers (default: [session] seed, else 1); the same seed gives the same "
+        "bytes");
+    study->add_option("-o,--out", a.out, "folder for the results")
+        ->default_val("out/study")
+        ->type_name("FOLDER");
+    add_jobs_option(*study, a.jobs);
     add_single(study, a, add_sweeps(study, a));
     study->footer(
+        "Writes report.html with figures, the tables (trials.csv, ...) and summary.json to the folder of "
+        "--out.\n"
         "Examples:\n  thimble study --experiment all --seed 1 --out out/study\n"
         "  thimble study --experiment all --seeds 100 --out out/seeds\n"
         "  thimble study calibrated-operator --experiment all --out out/calibrated\n"
@@ -330,7 +339,7 @@ Subcommand add_study(CLI::App& app) {
         "  thimble study my-session.toml --subjects 40 --order williams --out out/large\n"
         "  thimble study my-session.toml --subjects 40 --order williams --out out/large --resume\n"
         "  thimble study --experiment 3 --from out/fit --subjects 1 --out out/twin\n"
-        "docs/studies.md is the manual.");
+        "Manual: docs/studies.md");
     return {study, [arguments] { return run_one_study(*arguments); }, true};
 }
 

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
-#include "study/sweeps/joint_draws.hpp"
 #include "study/sweeps/variation.hpp"
 
 namespace thimble {
@@ -12,12 +11,14 @@ namespace {
 
 int finish(const SweepOptions& options, bool complete, const std::string& what) {
     const auto report = options.out / "report.html";
-    if (std::filesystem::exists(report)) fmt::print("report: {}\n", report.string());
-    if (!complete) spdlog::error("interrupted; {} that were done are kept", what);
+    if (std::filesystem::exists(report)) fmt::print("results: {}\n", report.string());
+    if (!complete) spdlog::error("interrupted: {} that are done are saved", what);
     return static_cast<int>(complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 
 void say(const ClaimTally& tally, const char* what) {
+    fmt::print("How often each claim is reproduced; fragile: in fewer than {:.0f} % of {}\n",
+               100 * kFragileBelow, what);
     for (const ClaimCount& c : tally.counts()) {
         if (!c.had_trials) continue;
         fmt::print("{:>4.0f} % of {} {} {:<18} {}\n", 100 * c.fraction(), c.studies, what, c.claim.id,
@@ -26,7 +27,7 @@ void say(const ClaimTally& tally, const char* what) {
 }
 
 void say(const Variation& variation) {
-    fmt::print("{:<18}", variation.range.name());
+    fmt::print("How often each claim is reproduced, in percent of the seeds\n{:<18}", variation.range.name());
     for (const VariedPoint& point : variation.points) fmt::print(" {:>7g}", point.value);
     fmt::print("\n");
     const auto& claims = variation.points.front().tally.counts();
@@ -44,11 +45,12 @@ std::vector<ParameterRange> ranges_of(const SweepRequest& request) {
     for (const std::string& text : request.vary) {
         ranges.push_back(parse_parameter_range(text));
         if ((request.draws == 0) == (ranges.back().points == 0)) {
-            throw Error(ExitCode::kUsage,
-                        fmt::format("--vary {}: {}", text,
-                                    request.draws == 0
-                                        ? "needs a number of points: NAME=LOW:HIGH:POINTS"
-                                        : "with --draws, values are drawn: NAME=LOW:HIGH without points"));
+            throw Error(
+                ExitCode::kUsage,
+                fmt::format("--vary {}: {}", text,
+                            request.draws == 0
+                                ? "give the number of points: NAME=LOW:HIGH:POINTS"
+                                : "with --draws, values are random: give NAME=LOW:HIGH without points"));
         }
     }
     return ranges;

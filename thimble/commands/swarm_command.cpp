@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/runtime/command_line.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "study/study.hpp"
 #include "study/swarm/swarm.hpp"
@@ -27,10 +28,11 @@ int run(SwarmArguments& a) {
         fmt::print("{}", swarm_json(a.options, result));
     } else {
         for (const SwarmFailure& failure : result.failures) fmt::print("{}", failure_text(failure));
-        fmt::print("{} cases from seed {} on, {:.0f} s of sessions: {} broke an invariant{}\n", result.cases,
-                   a.options.seed, result.simulated_s, result.failures.size(),
-                   result.complete ? "" : "; not all cases ran");
+        fmt::print("{} cases from seed {} on, {:.0f} s of simulated sessions: {} broke a safety rule{}\n",
+                   result.cases, a.options.seed, result.simulated_s, result.failures.size(),
+                   result.complete ? "" : " (interrupted: not all cases ran)");
     }
+    if (!a.json && !result.failures.empty()) fmt::print("results: {}\n", a.options.out.string());
     const bool good = result.complete && result.failures.empty();
     return static_cast<int>(good ? ExitCode::kOk : ExitCode::kRunFailed);
 }
@@ -40,24 +42,30 @@ int run(SwarmArguments& a) {
 Subcommand add_swarm(CLI::App& app) {
     const auto arguments = std::make_shared<SwarmArguments>();
     SwarmOptions& o = arguments->options;
-    CLI::App* swarm = app.add_subcommand(
-        "swarm", "sessions with random settings and faults, in virtual time: does every safety rule hold?");
-    swarm->add_option("-s,--seed", o.seed, "of the first case; it alone decides what that case is")
+    CLI::App* swarm =
+        app.add_subcommand("swarm", "test the safety rules in sessions with random settings and faults");
+    swarm->add_option("-s,--seed", o.seed, "seed of the first case; a seed determines the whole case")
         ->capture_default_str();
-    swarm->add_option("-n,--trials", o.trials, "cases, each with the next seed")
+    swarm->add_option("--cases", o.cases, "number of cases; each has the next seed")
         ->check(CLI::Range(1, 1'000'000'000))
         ->capture_default_str();
-    swarm->add_option("-j,--jobs", o.jobs, "threads, 0: one per core; the results do not depend on it")
-        ->check(CLI::Range(0, 1024));
+    add_jobs_option(*swarm, o.jobs);
     swarm
         ->add_option("-o,--out", o.out,
-                     "folder for the smallest session file that still fails, one per failure")
-        ->default_val("out/swarm");
-    swarm->add_flag("--json", arguments->json, "print the counts and the failures as JSON");
+                     "folder for failures: for each one the smallest session file that still fails")
+        ->default_val("out/swarm")
+        ->type_name("FOLDER");
+    swarm
+        ->add_option("--plugin", o.plugin,
+                     "also test the controller in this file (shared library or Python), in one of ten cases "
+                     "(docs/howto/controller.md)")
+        ->type_name("FILE");
+    swarm->add_flag("--json", arguments->json,
+                    "print counts and failures as JSON on stdout, instead of text");
     swarm->footer(
-        "Examples:\n  thimble swarm --trials 2000\n  thimble swarm --seed 4711\n"
-        "docs/safety.md lists the rules, docs/reliability.md says what was tried. Exit code 1 if a rule "
-        "breaks.");
+        "Examples:\n  thimble swarm --cases 2000\n  thimble swarm --seed 4711\n"
+        "Exit code 1 if a session breaks a rule. docs/safety.md lists the rules, docs/reliability.md the "
+        "cases that were run.");
     return {swarm, [arguments] { return run(*arguments); }};
 }
 

@@ -22,9 +22,8 @@ int run_sweep(SweepArguments arguments) {
 
 Subcommand add_sweep(CLI::App& app) {
     const auto arguments = std::make_shared<SweepArguments>();
-    CLI::App* command = app.add_subcommand("sweep",
-                                           "stability maps: delay against stiffness for hands, compensators "
-                                           "and networks, measured and by theory");
+    CLI::App* command =
+        app.add_subcommand("sweep", "map stability over delay and stiffness, measured and by theory");
     add_sweep_options(*command, *arguments);
     return {command, [arguments] { return run_sweep(*arguments); }, true};
 }

@@ -26,8 +26,8 @@ std::vector<Diagnosis> examine(const Facts& facts) {
     constexpr std::array kChecks{check_session,         check_programs, check_ports,    check_firewall,
                                  check_realtime,        check_timer,    check_governor, check_clock_source,
                                  check_kernel,          check_clock,    check_handle,   check_fingertip,
-                                 check_device_software, check_can,      check_screen,   check_sound,
-                                 check_software,        check_python};
+                                 check_device_software, check_can,      check_ros2,     check_screen,
+                                 check_sound,           check_software, check_python};
     std::vector<Diagnosis> findings;
     findings.reserve(kChecks.size());
     for (const auto check : kChecks) findings.push_back(check(facts));
@@ -35,8 +35,8 @@ std::vector<Diagnosis> examine(const Facts& facts) {
 }
 
 std::vector<Diagnosis> examine_for_person(const Facts& facts) {
-    return {check_handle(facts), check_fingertip(facts), check_device_software(facts), check_screen(facts),
-            check_sound(facts)};
+    return {check_handle(facts), check_fingertip(facts), check_device_software(facts),
+            check_ros2(facts),   check_screen(facts),    check_sound(facts)};
 }
 
 bool can_run(const std::vector<Diagnosis>& findings) { return first_fault(findings) == findings.end(); }

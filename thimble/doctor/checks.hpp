@@ -35,7 +35,7 @@ struct Diagnosis {
         remedy = std::move(command);
         return *this;
     }
-    // As is(), after what it says already.
+    // Appends to an earlier text; otherwise as is().
     Diagnosis& adds(Severity how, const std::string& words, std::string command = "") {
         return is(how, says + words, std::move(command));
     }
@@ -60,6 +60,7 @@ Diagnosis check_handle(const Facts& facts);
 Diagnosis check_fingertip(const Facts& facts);
 Diagnosis check_device_software(const Facts& facts);
 Diagnosis check_can(const Facts& facts);
+Diagnosis check_ros2(const Facts& facts);
 Diagnosis check_screen(const Facts& facts);
 Diagnosis check_sound(const Facts& facts);
 

@@ -38,7 +38,7 @@ std::string list_of(const std::vector<Device>& devices) {
     words.reserve(devices.size());
     for (const Device& device : devices) {
         words.push_back(device.name +
-                        (device.use == DeviceUse::kUnusable ? ", which is no hand's input" : ""));
+                        (device.use == DeviceUse::kUnusable ? ", which cannot move the needle" : ""));
     }
     return words.empty() ? "none" : fmt::format("{}", fmt::join(words, "; "));
 }
@@ -58,13 +58,14 @@ Diagnosis judge_devices(const DeviceFacts& facts, const std::vector<Device>& dev
         const bool rules = !facts.rules.empty();
         return finding.adds(
             wanted ? Severity::kFault : Severity::kNote,
-            fmt::format("; {} at {} may not be opened by this user ({})", closed->name, closed->node,
-                        rules ? "log in at this machine's own screen, or plug it in anew"
-                              : "no udev rule of Thimble's is installed"),
+            fmt::format("; this user may not open {} at {} ({})", closed->name, closed->node,
+                        rules
+                            ? "log in at this machine's own screen, or unplug the device and plug it in again"
+                            : "no udev rule of Thimble is installed"),
             rules ? "sudo udevadm trigger --action=add" : kRulesCommand);
     }
     if (!wanted) return finding;
-    return finding.adds(Severity::kFault, "; the one that this session asks for is not plugged in", "lsusb");
+    return finding.adds(Severity::kFault, "; the device that this session names is not plugged in", "lsusb");
 }
 
 }  // namespace
@@ -77,8 +78,8 @@ Diagnosis check_handle(const Facts& facts) {
         fmt::format("[handle] device = \"{}\"; plugged in: {}", facts.session.handle, list_of(found));
     if (facts.session.human && facts.session.handle == "simulated") {
         return finding.adds(Severity::kNote,
-                            "; a person needs device = \"pointer\" or \"keyboard\", a real one, or nodes "
-                            "that run already (--attach)");
+                            "; for a person set device to \"pointer\", \"keyboard\" or a real handle, or use "
+                            "programs that run already (--attach)");
     }
     return judge_devices(facts.devices, found, use.has_value(), std::move(finding));
 }
@@ -87,10 +88,15 @@ Diagnosis check_fingertip(const Facts& facts) {
     const std::string& device = facts.session.fingertip;
     const auto found = devices_for(facts.devices, std::nullopt, true);
     Diagnosis finding{"fingertip"};
+    if (!facts.session.middleware_problem.empty())
+        return finding.is(Severity::kFault,
+                          "[cutaneous] device = \"touchdiver\"; " + facts.session.middleware_problem +
+                              ": start WEART's middleware or WEART-App there",
+                          "ss -tln   # on that machine: who listens");
     finding.says = fmt::format("[cutaneous] device = \"{}\"; boards plugged in: {}", device, list_of(found));
     if (facts.session.human && !facts.session.cutaneous_drawn)
         return finding.adds(Severity::kWarning,
-                            "; nothing shows CF and CCF to a person: set [visual] fingertip = true");
+                            "; a person would not feel or see CF and CCF: set [visual] fingertip = true");
     return judge_devices(facts.devices, found, device == "board", std::move(finding));
 }
 
@@ -100,10 +106,15 @@ Diagnosis check_device_software(const Facts& facts) {
     const std::string& handle = facts.session.handle;
     if (!problem.empty())
         return finding.is(Severity::kFault, problem,
-                          handle == "falcon" ? "sha256sum FIRMWARE"
-                          : handle == "ros2" ? "sudo apt-get install ./out/package/thimble-ros2_*.deb"
-                                             : "export FDSDK=/path/to/the/sdk");
-    return finding.is(Severity::kOk, "the handle of this session needs no SDK and no firmware, or has it");
+                          problem.find("thimble-ros2") != std::string::npos
+                              ? "sudo apt-get install ./out/package/thimble-ros2_*.deb"
+                          : handle == "falcon" ? "sha256sum FIRMWARE"
+                          : handle == "haply"  ? "systemctl status haply-inverse-service"
+                          : handle == "touch"  ? "ldconfig -p | grep libHD"
+                                               : "export FDSDK=/path/to/the/sdk");
+    return finding.is(
+        Severity::kOk,
+        "the devices of this session have all the SDKs, services, firmware and programs that they need");
 }
 
 Diagnosis check_can(const Facts& facts) {
@@ -116,7 +127,7 @@ Diagnosis check_can(const Facts& facts) {
         finding.says = fmt::format("{} is up", up->name);
         if (!wanted || up->queue_frames == 0 || up->queue_frames >= kQueueFrames) return finding;
         return finding.adds(Severity::kWarning,
-                            fmt::format(", and {} frames may wait there; twelve drives need {} at once",
+                            fmt::format(", and its queue holds {} frames; twelve drives need {}",
                                         up->queue_frames, kQueueFrames),
                             fmt::format("sudo ip link set {} txqueuelen 100", up->name));
     }
@@ -127,12 +138,58 @@ Diagnosis check_can(const Facts& facts) {
                           fmt::format("sudo ip link set {} up type can bitrate 1000000", name));
     }
     if (facts.kernel.can) {
-        return finding.is(lacking, "no interface; a fingertip device with CAN drives needs one",
-                          "sudo ip link add vcan0 type vcan   # one without hardware, to try");
+        return finding.is(lacking, "no interface; needed only for a fingertip device with CAN drives",
+                          "sudo ip link add vcan0 type vcan   # a virtual one, to try");
     }
-    return finding.is(
-        lacking, "this kernel has none; a fingertip device with CAN drives needs it, or its bus over UDP",
-        "sudo modprobe can_raw");
+    return finding.is(lacking,
+                      "this kernel has no CAN; needed only for a fingertip device with CAN drives, unless "
+                      "its bus is reached over UDP",
+                      "sudo modprobe can_raw");
+}
+
+namespace {
+
+// The worst of the session's interfaces.
+Diagnosis judge_interface(const Ros2Facts::Interface& interface, Diagnosis finding) {
+    if (interface.name.empty())
+        return finding.adds(Severity::kFault,
+                            fmt::format("; no interface of this machine has {}", interface.address),
+                            "ip -4 address");
+    const std::string name = fmt::format("; {} at {}", interface.name, interface.address);
+    if (!interface.up)
+        return finding.adds(Severity::kFault, name + " is down",
+                            fmt::format("sudo ip link set {} up", interface.name));
+    if (!interface.multicast)
+        return finding.adds(Severity::kFault,
+                            name + " has no multicast, which DDS needs to find other programs",
+                            fmt::format("sudo ip link set {} multicast on", interface.name));
+    return finding.adds(finding.severity, name + " has multicast", finding.remedy);
+}
+
+}  // namespace
+
+Diagnosis check_ros2(const Facts& facts) {
+    const Ros2Facts& ros2 = facts.ros2;
+    Diagnosis finding{"ROS 2", ExitCode::kUsage};
+    if (!ros2.domain_problem.empty())
+        return finding.is(ros2.wanted ? Severity::kFault : Severity::kNote, ros2.domain_problem,
+                          "unset ROS_DOMAIN_ID");
+    finding.says = ros2.domain.empty() ? "domain 0, as ROS_DOMAIN_ID is not set"
+                                       : fmt::format("domain {}, by ROS_DOMAIN_ID", ros2.domain);
+    if (ros2.rmw.find("zenoh") != std::string::npos) {
+        finding.adds(ros2.wanted ? Severity::kWarning : Severity::kNote,
+                     fmt::format("; RMW_IMPLEMENTATION is {}, which does not use DDS: a device that runs "
+                                 "with it cannot be reached",
+                                 ros2.rmw),
+                     "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp");
+    } else if (!ros2.rmw.empty()) {
+        finding.says += fmt::format("; RMW_IMPLEMENTATION is {}", ros2.rmw);
+    }
+    for (const auto& interface : ros2.interfaces) {
+        if (finding.severity != Severity::kFault) finding = judge_interface(interface, std::move(finding));
+    }
+    if (!ros2.wanted && finding.severity == Severity::kFault) finding.severity = Severity::kNote;
+    return finding;
 }
 
 Diagnosis check_screen(const Facts& facts) {
@@ -159,14 +216,14 @@ Diagnosis check_screen(const Facts& facts) {
 Diagnosis check_sound(const Facts& facts) {
     Diagnosis finding{"sound", ExitCode::kUsage};
     if (facts.sound.built && facts.sound.problem.empty())
-        return finding.is(Severity::kOk, "a device for the beep was opened");
-    finding.says = facts.sound.built ? "the beep is shown only: " + facts.sound.problem
+        return finding.is(Severity::kOk, "the sound device for the beep works");
+    finding.says = facts.sound.built ? "the beep is only shown: " + facts.sound.problem
                                      : "this build has no sound (THIMBLE_GUI or THIMBLE_AUDIO is off)";
     if (!facts.session.human || facts.session.beep_shown)
         return finding.adds(Severity::kNote, "", facts.sound.built ? "aplay -l" : "");
-    return finding.adds(
-        Severity::kFault,
-        "; a person is to hear it. If all are to see it, set [visual] beep_shown = \"always\"", "aplay -l");
+    return finding.adds(Severity::kFault,
+                        "; a person must hear it. To show it as well, set [visual] beep_shown = \"always\"",
+                        "aplay -l");
 }
 
 }  // namespace thimble

@@ -25,7 +25,8 @@ struct SessionFacts {
     bool beep_shown = false;                                    // [visual] beep_shown = "always"
     bool cutaneous_drawn =
         true;  // CF and CCF reach a person: by a device, as a picture, or the session has neither
-    std::string software_problem{};  // of the handle: its SDK or its firmware cannot be used
+    std::string software_problem{};    // of a device: its SDK, its firmware or its program cannot be used
+    std::string middleware_problem{};  // of TouchDIVERs: no program listens at its port, and why
 };
 
 struct RealtimeFacts {
@@ -112,6 +113,18 @@ struct CanFacts {
     std::vector<Interface> interfaces;
 };
 
+struct Ros2Facts {
+    struct Interface {
+        std::string address;  // [handle.ros2] or [slave_sim.ros2] interface
+        std::string name;     // "eth0"; empty: no interface of this machine has the address
+        bool up = false, multicast = false;
+    };
+    bool wanted = false;  // a device of the session is one of ROS 2
+    std::vector<Interface> interfaces;
+    std::string domain, domain_problem;  // ROS_DOMAIN_ID
+    std::string rmw;                     // RMW_IMPLEMENTATION
+};
+
 struct ScreenFacts {
     bool built = true;    // THIMBLE_GUI
     std::string problem;  // empty: a window with OpenGL could be opened
@@ -135,11 +148,13 @@ struct Facts {
     ClockFacts clock;
     DeviceFacts devices;
     CanFacts can;
+    Ros2Facts ros2{};
     ScreenFacts screen;
     SoundFacts sound;
 };
 
-// Looks at the machine for the doctor. Files are read below a folder, which is "/" except in tests. It changes nothing and needs no root. Unreadable facts keep their default.
+// Looks at the machine for the doctor. Files are read below a folder, which is "/" except in tests. It changes
+// nothing and needs no root. Unreadable facts keep their default.
 //
 // Files of /proc and /sys below `root`.
 ProcessorFacts gather_processors(const std::filesystem::path& root);
@@ -157,6 +172,10 @@ PortFacts gather_ports(std::uint16_t base_port, unsigned conditions);
 ProgramFacts gather_programs(const std::filesystem::path& folder);
 // The facts of a session file. It loads the handle's SDK and reads its firmware.
 void gather_session(const ConfigFile& file, const SystemSettings& settings, SessionFacts& facts);
+// Connects to the services of the session's devices, which another session may use: for thimble doctor alone.
+void gather_services(const SystemSettings& settings, SessionFacts& facts);
+// The interfaces of the session's ROS 2 devices, 127.0.0.1 without one, and what the environment says to ROS 2.
+Ros2Facts gather_ros2(const ConfigFile& file, const SystemSettings& settings);
 ScreenFacts gather_screen();
 SoundFacts gather_sound();
 

@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <sys/utsname.h>
@@ -13,6 +12,7 @@
 
 #include "common/error.hpp"
 #include "common/process/child.hpp"
+#include "common/text_file.hpp"
 #include "cutaneous_node/board/board_reports.hpp"
 #include "master/devices/hid/hid_axes.hpp"
 #include "master/devices/hid/report_descriptor.hpp"
@@ -26,14 +26,9 @@ namespace fs = std::filesystem;
 // Link types of /sys/class/net/*/type (ARPHRD_...).
 constexpr const char* kCanLink = "280";
 
-std::string read_whole(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 // Without the line's end.
 std::string first_line(const fs::path& file) {
-    std::string text = read_whole(file);
+    std::string text = read_text_file(file);
     return text.substr(0, text.find('\n'));
 }
 
@@ -65,11 +60,11 @@ std::uint16_t hex_number(const std::string& text) {
 bool may_open(const fs::path& node) { return access(node.c_str(), R_OK | W_OK) == 0; }
 
 std::optional<DeviceFacts::Device> hid_device(const fs::path& root, const fs::path& entry) {
-    const std::string event = read_whole(entry / "device/uevent");
+    const std::string event = read_text_file(entry / "device/uevent");
     unsigned bus = 0, vendor = 0, product = 0;
     if (std::sscanf(value_of_key(event, "HID_ID").c_str(), "%x:%x:%x", &bus, &vendor, &product) != 3)
         return std::nullopt;
-    const std::string bytes = read_whole(entry / "device/report_descriptor");
+    const std::string bytes = read_text_file(entry / "device/report_descriptor");
     const auto layout =
         parse_report_descriptor({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
     if (!layout) return std::nullopt;
@@ -160,7 +155,7 @@ CanFacts gather_can(const fs::path& root) {
 }
 
 FirewallFacts gather_firewall(const fs::path& root) {
-    if (value_of_key(read_whole(root / "etc/ufw/ufw.conf"), "ENABLED") == "yes")
+    if (value_of_key(read_text_file(root / "etc/ufw/ufw.conf"), "ENABLED") == "yes")
         return {FirewallKind::kUfw, ""};
     if (fs::exists(root / "run/firewalld")) return {FirewallKind::kFirewalld, ""};
     if (root != "/") return {};

@@ -1,29 +1,39 @@
 // Facts from the running kernel and from other programs.
 #include <algorithm>
+#include <arpa/inet.h>
 #include <array>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
+#include <ifaddrs.h>
+#include <net/if.h>
 #include <sstream>
 #include <sys/resource.h>
 #include <sys/timex.h>
 #include <thread>
+#include <tuple>
 
 #include <fmt/format.h>
 
 #include "common/error.hpp"
 #include "common/network_settings.hpp"
+#include "common/own_program.hpp"
 #include "common/process/child.hpp"
+#include "common/ros2_settings.hpp"
 #include "common/runtime/event_waiter.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
+#include "common/runtime/tcp_client.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "master/devices/force_dimension/dhd_library.hpp"
+#include "master/devices/haply/haply_handle.hpp"
+#include "master/devices/touch/hd_library.hpp"
 #include "session/clocks/chrony.hpp"
 #include "session/launch/node_kinds.hpp"
-#include "session/settings/session_files.hpp"
+#include "session/launch/ros2_programs.hpp"
 #include "session/settings/system_settings.hpp"
 #include "thimble/doctor/facts.hpp"
 
@@ -88,11 +98,6 @@ TakenPort with_holder(std::uint16_t port, const std::vector<std::string>& inodes
     return taken;
 }
 
-std::string whole_file(const char* path) {
-    std::ifstream stream(path);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 // Empty if it cannot be started.
 std::string version_line(const std::string& program, const std::vector<std::string>& options) {
     try {
@@ -104,7 +109,7 @@ std::string version_line(const std::string& program, const std::vector<std::stri
 }
 
 std::string system_name() {
-    const std::string text = whole_file("/etc/os-release"), key = "PRETTY_NAME=\"";
+    const std::string text = read_text_file("/etc/os-release"), key = "PRETTY_NAME=\"";
     const std::size_t at = text.find(key);
     if (at == std::string::npos) return "";
     const std::size_t start = at + key.size();
@@ -151,7 +156,7 @@ PortFacts gather_ports(std::uint16_t base_port, unsigned conditions) {
     facts.count =
         static_cast<std::uint16_t>(std::min<std::size_t>(conditions * kPortCount, 65536U - base_port));
     facts.loopback_passes = loopback_passes();
-    const std::string table = whole_file("/proc/net/udp");
+    const std::string table = read_text_file("/proc/net/udp");
     for (unsigned i = 0; i < facts.count; ++i) {
         const auto port = static_cast<std::uint16_t>(base_port + i);
         if (is_free(port)) continue;
@@ -177,28 +182,82 @@ ProgramFacts gather_programs(const fs::path& folder) {
 
 namespace {
 
-// Empty: the handle has what it needs, or needs nothing.
-std::string software_problem(const HandleSettings& handle) {
+// In one line.
+std::string words_of(const Error& error) {
+    std::string words = error.what();
+    std::replace(words.begin(), words.end(), '\n', ' ');
+    return words;
+}
+
+// Empty: the devices have what they need, or need nothing.
+std::string software_problem(const SystemSettings& settings) {
+    const HandleSettings& handle = settings.handle;
     const std::string& firmware = handle.falcon.firmware;
     if (handle.kind == HandleKind::kFalcon && !firmware.empty()) {
         const std::string sum = sha256_of_file(firmware);
         if (sum.empty()) return fmt::format("[handle.falcon] firmware: {} cannot be read", firmware);
         if (sum != handle.falcon.firmware_sha256)
-            return fmt::format("[handle.falcon] firmware: {} has the SHA-256 {}, not the one of the session",
-                               firmware, sum);
+            return fmt::format(
+                "[handle.falcon] firmware: the SHA-256 of {} is {}, not the one in the session file",
+                firmware, sum);
     }
-    const auto master = program_folder() / "thimble-ros2-master";
-    if (handle.kind == HandleKind::kRos2 && !fs::exists(master))
-        return fmt::format("[handle] device = \"ros2\" needs {}, which is not there", master.string());
-    if (handle.kind != HandleKind::kForceDimension) return "";
     try {
-        const DhdLibrary sdk(handle.force_dimension.library);
+        for (const Ros2Program& ros2 : ros2_programs(settings)) path_of(ros2);
+        if (handle.kind == HandleKind::kForceDimension) DhdLibrary(handle.force_dimension.library).file();
+        if (handle.kind == HandleKind::kTouch) HdLibrary(handle.touch.library).file();
     } catch (const Error& error) {
-        std::string words = error.what();
-        std::replace(words.begin(), words.end(), '\n', ' ');
-        return words;
+        return words_of(error);
     }
     return "";
+}
+
+// Empty: the service has the device, or the session needs none.
+std::string haply_problem(const HandleSettings& handle) {
+    if (handle.kind != HandleKind::kHaply) return "";
+    try {
+        HaplyExchange(handle.haply).name();
+    } catch (const Error& error) {
+        return words_of(error);
+    }
+    return "";
+}
+
+// Empty: a program listens there, or the session needs none.
+std::string middleware_problem(const CutaneousSettings& cutaneous) {
+    if (cutaneous.device != FingertipDevice::kTouchDiver) return "";
+    const auto& [host, port] = std::tie(cutaneous.touchdiver.host, cutaneous.touchdiver.port);
+    try {
+        TcpClient client({host, port}, "check [cutaneous.touchdiver] host");
+        client.connect();
+        const SessionTime end = wall_now() + std::chrono::seconds{1};
+        while (client.state() == ByteStream::State::kConnecting && wall_now() < end)
+            wall_sleep(std::chrono::milliseconds{2});
+        if (client.state() == ByteStream::State::kOpen) return "";
+        const bool silent = client.state() == ByteStream::State::kConnecting;
+        return fmt::format("no program listens at TCP {}:{} ({})", host, port,
+                           silent ? "no answer in 1 s" : client.why());
+    } catch (const Error& error) {
+        return error.what();
+    }
+}
+
+Ros2Facts::Interface interface_at(const std::string& address) {
+    Ros2Facts::Interface found{address, "", false, false};
+    ifaddrs* list = nullptr;
+    if (getifaddrs(&list) != 0) return found;
+    for (const ifaddrs* at = list; at != nullptr; at = at->ifa_next) {
+        if (at->ifa_addr == nullptr || at->ifa_addr->sa_family != AF_INET) continue;
+        std::array<char, INET_ADDRSTRLEN> text{};
+        sockaddr_in own{};
+        std::memcpy(&own, at->ifa_addr, sizeof own);
+        inet_ntop(AF_INET, &own.sin_addr, text.data(), text.size());
+        if (address != text.data()) continue;
+        // Linux does not claim multicast for the loopback interface, but has it.
+        const bool multicast = (at->ifa_flags & (IFF_MULTICAST | IFF_LOOPBACK)) != 0;
+        found = {address, at->ifa_name, (at->ifa_flags & IFF_UP) != 0, multicast};
+    }
+    freeifaddrs(list);
+    return found;
 }
 
 }  // namespace
@@ -215,7 +274,33 @@ void gather_session(const ConfigFile& file, const SystemSettings& settings, Sess
     });
     facts.cutaneous_drawn =
         !cutaneous || settings.visual.fingertip || settings.cutaneous.device != FingertipDevice::kSimulated;
-    facts.software_problem = software_problem(settings.handle);
+    facts.software_problem = software_problem(settings);
+}
+
+void gather_services(const SystemSettings& settings, SessionFacts& facts) {
+    if (facts.software_problem.empty()) facts.software_problem = haply_problem(settings.handle);
+    facts.middleware_problem = middleware_problem(settings.cutaneous);
+}
+
+Ros2Facts gather_ros2(const ConfigFile& file, const SystemSettings& settings) {
+    Ros2Facts facts;
+    facts.domain = environment_text("ROS_DOMAIN_ID");
+    facts.rmw = environment_text("RMW_IMPLEMENTATION");
+    try {
+        ros2_domain();
+    } catch (const Error& error) {
+        facts.domain_problem = words_of(error);
+    }
+    std::vector<std::string> addresses;
+    if (settings.handle.kind == HandleKind::kRos2)
+        addresses.push_back(read_ros2_settings(file.table("handle").table("ros2")).interface);
+    if (settings.slave.device == SlaveDevice::kRos2) addresses.push_back(settings.slave.ros2.interface);
+    facts.wanted = !addresses.empty();
+    if (addresses.empty()) addresses.push_back(Ros2Settings{}.interface);
+    addresses.erase(std::unique(addresses.begin(), addresses.end()), addresses.end());
+    facts.interfaces.reserve(addresses.size());
+    for (const std::string& address : addresses) facts.interfaces.push_back(interface_at(address));
+    return facts;
 }
 
 std::string dropping_chain(const std::string& ruleset) {

@@ -15,7 +15,7 @@ std::string holder_of(const TakenPort& taken) {
     return fmt::format("{} (by {}, process {})", taken.port, taken.program, taken.process);
 }
 
-// Ending a program that is not ours to end is no remedy: then the session moves.
+// Suggests other ports, not the end of a foreign program.
 std::string free_ports_command(const PortFacts& ports) {
     std::vector<long> processes;
     for (const TakenPort& taken : ports.taken) {
@@ -39,7 +39,7 @@ Diagnosis check_session(const Facts& facts) {
         return finding.is(Severity::kFault, session.problem, fmt::format("thimble check {}", session.file));
     if (!session.energy.empty()) return finding.is(Severity::kWarning, session.energy);
     return finding.is(Severity::kOk, session.file.empty()
-                                         ? "the default session (give a session file to look at another)"
+                                         ? "the default session (name a session file to check that one)"
                                          : fmt::format("{} is good", session.file));
 }
 
@@ -57,13 +57,14 @@ Diagnosis check_programs(const Facts& facts) {
     if (missing.empty() && others.empty())
         return finding.is(Severity::kOk, fmt::format("thimble {} and its {} nodes", programs.own_version,
                                                      programs.nodes.size()));
-    return finding.is(Severity::kFault,
-                      missing.empty()
-                          ? fmt::format("{} beside thimble {}: all must be of one version",
-                                        fmt::join(others, ", "), programs.own_version)
-                          : fmt::format("no {} that runs in {}, where thimble looks for its nodes",
-                                        fmt::join(missing, ", "), programs.folder),
-                      "cmake --build --preset release --target programs");
+    return finding.is(
+        Severity::kFault,
+        missing.empty()
+            ? fmt::format("{} and thimble {} differ: use the same version of both", fmt::join(others, ", "),
+                          programs.own_version)
+            : fmt::format("no {} that runs in {}, where thimble looks for the programs of a session",
+                          fmt::join(missing, ", "), programs.folder),
+        "cmake --build --preset release --target programs");
 }
 
 Diagnosis check_ports(const Facts& facts) {
@@ -71,18 +72,19 @@ Diagnosis check_ports(const Facts& facts) {
     Diagnosis finding{"ports", ExitCode::kNetwork};
     if (!ports.taken.empty()) {
         return finding.is(Severity::kFault,
-                          fmt::format("{} of UDP ports {} to {} taken: {}{}", ports.taken.size(), ports.first,
-                                      last_port(ports), holder_of(ports.taken.front()),
+                          fmt::format("{} of the UDP ports {} to {} are in use: {}{}", ports.taken.size(),
+                                      ports.first, last_port(ports), holder_of(ports.taken.front()),
                                       ports.taken.size() > 1 ? " and others" : ""),
                           free_ports_command(ports));
     }
     if (!ports.loopback_passes) {
-        return finding.is(Severity::kFault,
-                          "a datagram sent to 127.0.0.1 did not arrive: the loopback is down, or filtered",
-                          "sudo ip link set lo up");
+        return finding.is(
+            Severity::kFault,
+            "a datagram to 127.0.0.1 did not arrive: the loopback interface is down or filtered",
+            "sudo ip link set lo up");
     }
     return finding.is(Severity::kOk,
-                      fmt::format("UDP ports {} to {} are free, and the loopback passes datagrams",
+                      fmt::format("UDP ports {} to {} are free, and the loopback interface works",
                                   ports.first, last_port(ports)));
 }
 
@@ -91,7 +93,7 @@ Diagnosis check_firewall(const Facts& facts) {
     const std::string first = std::to_string(facts.ports.first), last = last_port(facts.ports);
     switch (facts.firewall.kind) {
         case FirewallKind::kNone:
-            return finding.is(Severity::kOk, "none was seen (nftables' rules can be read by root only)");
+            return finding.is(Severity::kOk, "none found (only root can read nftables' rules)");
         case FirewallKind::kUfw:
             finding.is(Severity::kWarning, "ufw is active",
                        fmt::format("sudo ufw allow {}:{}/udp", first, last));
@@ -104,15 +106,16 @@ Diagnosis check_firewall(const Facts& facts) {
             break;
         case FirewallKind::kNftables:
             finding.is(Severity::kWarning,
-                       fmt::format("the nftables chain {} drops what no rule accepts", facts.firewall.chain),
+                       fmt::format("the nftables chain {} drops everything that no rule accepts",
+                                   facts.firewall.chain),
                        fmt::format("sudo nft insert rule {} udp dport {}-{} accept", facts.firewall.chain,
                                    first, last));
             break;
     }
     if (!facts.session.several_machines)
-        return finding.adds(Severity::kOk, "; a session on this machine alone does not pass it");
+        return finding.adds(Severity::kOk, "; a session on this machine alone is not affected");
     return finding.adds(Severity::kWarning,
-                        ", and this session needs UDP from other machines ('thimble link-test' shows which)",
+                        ", and this session needs UDP from other machines ('thimble link-test' tests it)",
                         finding.remedy);
 }
 
@@ -122,7 +125,7 @@ Diagnosis check_software(const Facts& facts) {
     finding.says = fmt::format("{}, {}", programs.system.empty() ? "unknown system" : programs.system,
                                programs.gnuplot.empty() ? "no gnuplot" : programs.gnuplot);
     if (!programs.gnuplot.empty()) return finding;
-    return finding.adds(Severity::kWarning, ": reports would be without figures",
+    return finding.adds(Severity::kWarning, ": reports would have no figures",
                         "sudo apt-get install gnuplot-nox");
 }
 
@@ -130,11 +133,11 @@ Diagnosis check_python(const Facts& facts) {
     const ProgramFacts& programs = facts.programs;
     Diagnosis finding{"python", ExitCode::kRunFailed};
     if (programs.python.empty())
-        return finding.is(Severity::kNote, "python3 has no thimble that it can import (docs/python.md)",
+        return finding.is(Severity::kNote, "python3 cannot import thimble (docs/python.md)",
                           "sudo apt-get install ./out/package/python3-thimble_*.deb");
     finding.says = fmt::format("python3 imports thimble {}", programs.python);
     if (programs.python == programs.own_version) return finding;
-    return finding.adds(Severity::kWarning, fmt::format(", and this is thimble {}", programs.own_version),
+    return finding.adds(Severity::kWarning, fmt::format(", but this is thimble {}", programs.own_version),
                         "python3 -c 'import thimble; print(thimble.__file__)'");
 }
 

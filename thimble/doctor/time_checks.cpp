@@ -9,7 +9,7 @@
 namespace thimble {
 namespace {
 
-// As kDeadlineSlack: what is later has missed its sample.
+// As kDeadlineSlack: a later wake-up has missed its sample.
 constexpr double kMissed_s = 0.001;
 // The kernel's timers without high resolution tick 100 to 1000 times a second.
 constexpr double kCoarse_s = 0.0001;
@@ -28,18 +28,18 @@ Diagnosis check_realtime(const Facts& facts) {
     const RealtimeFacts& realtime = facts.realtime;
     Diagnosis finding{"real time", ExitCode::kRealtime};
     if (!realtime.wanted)
-        return finding.is(Severity::kOk, "not asked for ([runtime] realtime_scheduling = false)");
+        return finding.is(Severity::kOk, "not requested ([runtime] realtime_scheduling = false)");
     if (realtime.granted)
         return finding.is(Severity::kOk,
-                          fmt::format("SCHED_FIFO, priority {}, is granted", realtime.priority));
-    finding.is(Severity::kWarning,
-               fmt::format("this user may not have SCHED_FIFO, priority {}: deadlines depend on what else "
-                           "runs",
-                           realtime.priority),
-               fmt::format("ulimit -r {}", realtime.priority));
+                          fmt::format("SCHED_FIFO, priority {}, is allowed", realtime.priority));
+    finding.is(
+        Severity::kWarning,
+        fmt::format("this user may not use SCHED_FIFO, priority {}: other programs can delay the force loop",
+                    realtime.priority),
+        fmt::format("ulimit -r {}", realtime.priority));
     if (realtime.hard_limit < 0 || realtime.hard_limit >= realtime.priority) return finding;
     return finding.adds(
-        Severity::kWarning, "; the remedy holds from the next login on",
+        Severity::kWarning, "; log in again to make it effective",
         fmt::format("echo \"$USER - rtprio {}\" | sudo tee /etc/security/limits.d/thimble.conf",
                     std::max(70, realtime.priority)));
 }
@@ -60,7 +60,7 @@ Diagnosis check_timer(const Facts& facts) {
     const std::string rights = check_realtime(facts).remedy;
     finding.adds(Severity::kWarning,
                  fmt::format("; more than {} % miss their sample", 100 * timer.allowed_miss_fraction),
-                 rights.empty() ? "top -o %CPU   # and end what else computes" : rights);
+                 rights.empty() ? "top -o %CPU   # then end other programs that use the processor" : rights);
     if (timer.median_s <= kMissed_s) return finding;
     return finding.adds(Severity::kFault, ", half of them: no force loop of 1 kHz can run here",
                         finding.remedy);
@@ -72,7 +72,7 @@ Diagnosis check_governor(const Facts& facts) {
     finding.values = {{"processors", static_cast<double>(processors.processors)}};
     finding.says =
         fmt::format("{} processors", processors.processors) +
-        (processors.governors.empty() ? ", whose frequency is not the kernel's to choose"
+        (processors.governors.empty() ? ", whose frequency the kernel cannot set"
                                       : fmt::format(", governor {}", fmt::join(processors.governors, ", ")));
     const auto slow = [](const std::string& governor) { return governor != "performance"; };
     if (std::any_of(processors.governors.begin(), processors.governors.end(), slow)) {
@@ -82,7 +82,7 @@ Diagnosis check_governor(const Facts& facts) {
     }
     if (processors.processors >= 2) return finding;
     return finding.adds(Severity::kWarning,
-                        ": the nodes of a session wait for each other; put some on another machine",
+                        ": the programs of a session wait for each other; run some on another machine",
                         "thimble run deploy/sessions/three_machines.toml --check");
 }
 
@@ -91,10 +91,10 @@ Diagnosis check_clock_source(const Facts& facts) {
     Diagnosis finding{"clock source", ExitCode::kRealtime};
     finding.says = processors.clock_source.empty() ? "unknown" : processors.clock_source;
     if (!is_slow_clock(processors.clock_source)) return finding;
-    finding.adds(Severity::kWarning, ": each look at the clock takes a microsecond or more");
+    finding.adds(Severity::kWarning, ": each reading of the clock takes a microsecond or more");
     const auto& sources = processors.clock_sources;
     const auto better = std::find_if_not(sources.begin(), sources.end(), is_slow_clock);
-    if (better == sources.end()) return finding.adds(Severity::kWarning, "; there is no other here");
+    if (better == sources.end()) return finding.adds(Severity::kWarning, "; this machine has no other");
     return finding.adds(
         Severity::kWarning, "",
         fmt::format("echo {} | sudo tee /sys/devices/system/clocksource/clocksource0/current_clocksource",
@@ -110,7 +110,7 @@ Diagnosis check_kernel(const Facts& facts) {
     finding.values = {{"timer_resolution_us", in_us(kernel.timer_resolution_s)}};
     if (kernel.timer_resolution_s <= kCoarse_s) return finding;
     return finding.adds(Severity::kWarning,
-                        "; without high-resolution timers (CONFIG_HIGH_RES_TIMERS) deadlines are rounded up",
+                        "; without high-resolution timers (CONFIG_HIGH_RES_TIMERS) wake-ups come late",
                         "sudo apt-get install linux-image-amd64");
 }
 
@@ -126,10 +126,10 @@ Diagnosis check_clock(const Facts& facts) {
     finding.says =
         clock.known ? "not synchronised; " : "the kernel does not say whether it is synchronised; ";
     if (!facts.session.several_machines)
-        return finding.adds(Severity::kOk, "a session on one machine needs nothing else");
+        return finding.adds(Severity::kOk, "enough for a session on one machine");
     return finding.adds(
         Severity::kNote,
-        "offsets between the machines are measured, and bounded more widely than they could be",
+        "between machines the offset is measured, but less precisely than with synchronised clocks",
         "sudo apt-get install chrony");
 }
 

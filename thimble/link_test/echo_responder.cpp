@@ -40,7 +40,7 @@ EchoResponder::Test* EchoResponder::find(std::uint32_t host, std::uint64_t nonce
     return found == tests_.end() ? nullptr : &*found;
 }
 
-// The same asker gets the same place. A new one gets the place of an asker that has been silent for long.
+// Each asker has a slot. A new asker takes that of one that has been silent for long.
 EchoResponder::Test* EchoResponder::welcome(SessionTime now, std::uint32_t host, std::uint64_t asker) {
     auto place = std::find_if(tests_.begin(), tests_.end(), [&](const Test& test) {
         return test.taken && test.host == host && test.asker == asker;

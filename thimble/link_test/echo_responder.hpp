@@ -1,8 +1,8 @@
 // The far side of a link test, without sockets: which datagram gets which answer.
 //
-// Harmless by construction: an answer is exactly as long as what it answers, only a well-formed request is answered, anything
-// but a hello must bear the nonce that this host was given (so nobody can have answers sent to somebody else but short
-// welcomes, and those are few), and the number of answers per second is limited.
+// Not usable for attacks. An answer is exactly as long as its request, and only a well-formed request gets one. Every
+// request but a hello must carry the nonce that this host was given. So with a false address an attacker gets only
+// short welcomes sent there, and answers per second are limited.
 #pragma once
 
 #include <array>
@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "common/flow.hpp"
-#include "thimble/link_test/port_traffic.hpp"
 #include "thimble/link_test/probe_packet.hpp"
 
 namespace thimble {

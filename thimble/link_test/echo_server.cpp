@@ -14,7 +14,7 @@ namespace thimble {
 namespace {
 
 constexpr Duration kStopLatency = std::chrono::milliseconds{100};
-// A flood at one port keeps neither the others nor Ctrl-C waiting.
+// A flood at one port must not delay the others or Ctrl-C.
 constexpr int kBatchesPerTurn = 4;
 
 class EchoServer {
@@ -80,7 +80,7 @@ class EchoServer {
 
 EchoCounters serve_echoes(const EchoPlan& plan) {
     EchoServer server(plan);
-    spdlog::info("echo ready, {} ports from {}, for {:g} s", plan.ports.size(), plan.base_port,
+    spdlog::info("ready to answer tests, {} ports from {}, for {:g} s", plan.ports.size(), plan.base_port,
                  to_seconds(plan.limit));
     return server.run(plan);
 }

@@ -53,27 +53,25 @@ std::string diagnose(std::span<const PortAnswer> ports, const std::string& host,
     if (count(PortAnswer::kNoRoute) == all)
         return fmt::format("no route to {}: check its address, cables, and 'ip route get {}'", host, host);
     if (count(PortAnswer::kProhibited) > 0) {
-        return "a firewall says no: the datagrams are prohibited by this machine's own rules (EPERM) or by "
-               "one on "
-               "the way (ICMP); allow UDP on these ports";
+        return "a firewall rejects the datagrams: a rule of this machine (EPERM) or of a machine on the way "
+               "(ICMP); allow UDP on these ports";
     }
     if (count(PortAnswer::kSilent) == all) {
         return fmt::format(
-            "{} says nothing at all: it is down, or a firewall drops everything; see 'ping {}'", host, host);
+            "{} does not answer at all: it is down, or a firewall drops everything; try 'ping {}'", host,
+            host);
     }
     if (count(PortAnswer::kNobodyListens) == all) {
         return fmt::format(
-            "{} is there, but nobody listens: start 'thimble link-test --listen --base-port {}' there", host,
+            "{} answers, but nobody listens: start 'thimble link-test --listen --base-port {}' there", host,
             base_port);
     }
     if (count(PortAnswer::kSilent) > 0) {
-        return "some ports are silent while others speak: a firewall that lets only some through; allow UDP "
-               "on all of "
-               "the session's ports";
+        return "some ports do not answer and others do: a firewall may block them; allow UDP on all ports of "
+               "the session";
     }
-    return "nobody listens at some ports: does another program than 'thimble link-test --listen' answer at "
-           "the "
-           "others, or one with another base port?";
+    return "nobody listens at some ports: has another program than 'thimble link-test --listen' answered "
+           "at the others, or one with another base port?";
 }
 
 double PortFigures::loss_there() const { return missing(far_received, sent); }

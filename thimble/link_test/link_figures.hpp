@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "session/clocks/clock_summary.hpp"
-#include "thimble/link_test/port_traffic.hpp"
+#include "thimble/link_test/probe_packet.hpp"
 
 namespace thimble {
 
@@ -33,7 +33,7 @@ struct PortFigures {
     PortAnswer answer = PortAnswer::kSilent;
     std::uint32_t sent = 0;     // probes that the kernel took
     std::uint32_t refused = 0;  // that it did not
-    // As the far side counted. `counted`: it told after all probes had been sent, not only in the last echo.
+    // Counts of the far side. `counted`: reported after all probes were sent, not only in the last echo.
     bool counted = false;
     std::uint32_t far_received = 0, far_duplicates = 0, far_reordered = 0, far_sent = 0;
     std::uint32_t returned = 0, duplicates = 0, reordered = 0;  // echoes, as they came here
@@ -86,8 +86,8 @@ struct LinkTestPlan {
     const std::atomic<bool>* stop = nullptr;
 };
 
-// The near side of a link test: knocks at every port, finds the largest datagram that passes, then sends a session's traffic and
-// listens to the echo. Throws Error: usage or network, if the host is unknown or there is no route to it.
+// The near side of a link test: probes every port, finds the largest datagram that passes, then sends a session's
+// traffic and measures the echo. Throws Error: usage or network, if the host is unknown or there is no route to it.
 LinkFigures test_link(const LinkTestPlan& plan);
 
 }  // namespace thimble

@@ -28,12 +28,12 @@ Finding judge_stability(const LoopFigures& link, const LoopLimits& limits) {
     const double median_s = link.round_trip_median_s + hold_s, p99_s = link.round_trip_p99_s + hold_s;
     const std::string limit = in_ms(limits.critical_delay_s);
     if (p99_s <= limits.critical_delay_s) {
-        return {Fit::kFits,
-                fmt::format("loop delay {} (p99 {}), stable below {}", in_ms(median_s), in_ms(p99_s), limit)};
+        return {Fit::kFits, fmt::format("loop delay {} (99 %: {}), stable below {}", in_ms(median_s),
+                                        in_ms(p99_s), limit)};
     }
     if (median_s <= limits.critical_delay_s) {
         return {Fit::kMarginal,
-                fmt::format("loop delay {} is stable, but its p99 {} is above the critical {}",
+                fmt::format("loop delay {} is stable, but its 99 % value {} is above the critical {}",
                             in_ms(median_s), in_ms(p99_s), limit)};
     }
     return {Fit::kDoesNotFit, fmt::format("loop delay {} is above the critical {}: contact oscillates",
@@ -43,21 +43,21 @@ Finding judge_stability(const LoopFigures& link, const LoopLimits& limits) {
 Finding judge_depth(Modality modality, const LoopFigures& link, const LoopLimits& limits) {
     const double own_s = limits.latency_s[static_cast<std::size_t>(modality)];
     const double share = link.round_trip_p99_s / own_s;
-    const std::string words =
-        fmt::format("p99 {} on top of the modality's own {}: the needle runs on {:.0f} % further",
-                    in_ms(link.round_trip_p99_s), in_ms(own_s), 100 * share);
+    const std::string words = fmt::format(
+        "{} (99 %) is added to the modality's own {}: the needle goes {:.0f} % further in before it stops",
+        in_ms(link.round_trip_p99_s), in_ms(own_s), 100 * share);
     if (share <= 0.5) return {Fit::kFits, words};
     return {share <= 1 ? Fit::kMarginal : Fit::kDoesNotFit, words};
 }
 
 Finding judge_pauses(const LoopFigures& link, const LoopLimits& limits) {
     if (link.longest_gap_s > limits.released_s) {
-        return {Fit::kDoesNotFit, fmt::format("a pause of {}: after {} every display lets go",
+        return {Fit::kDoesNotFit, fmt::format("an interruption of {}: after {} every display goes to zero",
                                               in_ms(link.longest_gap_s), in_ms(limits.released_s))};
     }
     if (link.longest_gap_s > limits.needle_held_s) {
         return {Fit::kMarginal,
-                fmt::format("a pause of {}: after {} the needle is held and contact starts anew",
+                fmt::format("an interruption of {}: after {} the needle is held and contact begins again",
                             in_ms(link.longest_gap_s), in_ms(limits.needle_held_s))};
     }
     return {Fit::kFits, ""};
@@ -67,12 +67,11 @@ Finding judge_pauses(const LoopFigures& link, const LoopLimits& limits) {
 Finding judge_age(const LoopFigures& link, const LoopLimits& limits) {
     if (link.round_trip_p99_s <= limits.late_s) return {Fit::kFits, ""};
     const bool mostly = link.round_trip_median_s > limits.late_s;
-    return {
-        mostly ? Fit::kDoesNotFit : Fit::kMarginal,
-        fmt::format(
-            "{} forces are more than {} late and count as none, unless [master] oldest_force_s says {:.2g}",
-            mostly ? "most" : "some", in_ms(limits.late_s),
-            limits.configured_s + 1.2 * link.round_trip_p99_s)};
+    return {mostly ? Fit::kDoesNotFit : Fit::kMarginal,
+            fmt::format(
+                "{} forces are more than {} late and are ignored, unless [master] oldest_force_s is {:.2g}",
+                mostly ? "most" : "some", in_ms(limits.late_s),
+                limits.configured_s + 1.2 * link.round_trip_p99_s)};
 }
 
 Finding judge_loss(const LoopFigures& link) {
@@ -96,9 +95,8 @@ ReportTable port_table(const LinkFigures& link) {
     ReportTable table;
     table.title = fmt::format("Ports of {}, from {}", link.host, link.base_port);
     table.note =
-        "Round trips in ms, losses in %; jitter: 99 % minus median; out of order and twice: there + back. "
-        "Sizes and "
-        "rates are those of a session.";
+        "Round trips in ms, losses in %; jitter: 99 % value minus median; 'out of order' and 'twice' count "
+        "both directions. Sizes and rates are those of a session.";
     table.columns = {"port",   "name",  "answer",     "bytes",     "Hz",           "arrived Hz", "median",
                      "jitter", "worst", "lost there", "lost back", "out of order", "twice",      "pause ms"};
     for (const PortFigures& p : link.ports) {
@@ -123,11 +121,12 @@ std::string mtu_text(const LinkReport& report) {
     const MtuFigures& mtu = report.link.mtu;
     if (!report.link.any_answers()) return "Largest datagram: not measured.";
     if (mtu.largest_bytes == kLargestProbeBytes) {
-        return "Largest datagram: every one that UDP allows passes unfragmented.";
+        return "Largest datagram: UDP's maximum passes unfragmented.";
     }
-    if (mtu.largest_bytes == 0) return "Largest datagram: not even a session's own passes unfragmented.";
+    if (mtu.largest_bytes == 0)
+        return "Largest datagram: not even the datagrams of a session pass unfragmented.";
     return fmt::format(
-        "Largest datagram that passes unfragmented: {} bytes (MTU {}{}); a session's largest is {}.",
+        "Largest datagram that passes unfragmented: {} bytes (MTU {}{}); the largest of a session has {}.",
         mtu.largest_bytes, mtu.mtu_bytes(), mtu.limited_here ? ", of this machine's interface" : "",
         largest_session_datagram(report.link));
 }
@@ -136,8 +135,7 @@ std::string clock_text(const ClockSummary& clock) {
     if (!clock.offset) return "Clocks: not measured.";
     return fmt::format(
         "Clocks: theirs minus ours {:.6f} s +- {:.1f} us, rate {} ppm, {} exchanges, {} steps. One way, us: "
-        "there {}, "
-        "back {}.",
+        "there {}, back {}.",
         clock.offset->offset_s(), 1e6 * clock.offset->bound_s(), rate_text_ppm(clock), clock.exchanges,
         clock.steps, one_way_text_us(clock.there), one_way_text_us(clock.back));
 }
@@ -228,11 +226,12 @@ std::string to_text(const LinkReport& report) {
             "\nClock daemon: " + report.chrony + ".\n";
     if (report.link.stalls > 0) {
         text += fmt::format(
-            "This machine stood still {} times for more than 50 ms: what it measured is doubtful.\n",
+            "This machine stood still {} times for more than 50 ms: its measurements are doubtful.\n",
             report.link.stalls);
     }
-    text +=
-        report.verdicts.empty() ? "\nNo modality is judged: no port of the haptic loop answered.\n" : "\n";
+    text += report.verdicts.empty() ? "\n"
+                                      "No verdict on any modality: no port of the haptic loop answered.\n"
+                                    : "\n";
     for (const ModalityVerdict& v : report.verdicts)
         text += fmt::format("{:4}{}: {}\n", to_string(v.modality), to_string(v.fit), v.reason);
     return text;

@@ -1,4 +1,4 @@
-// Which modalities a link is good for, and a link test in words and as JSON. Pure. The rules (docs/link-test.md):
+// Which modalities a link is good for, and a link test in words and as JSON. Pure. The rules (docs/machines.md):
 //
 // HF. The loop hand - network - fixture - network - handle must be stable: round trip + half a sample below the critical
 //   delay (critical_delay.hpp) of the session's own handle, nominal hand and fixture. The 99th percentile below it: fits;

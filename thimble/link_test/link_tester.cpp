@@ -29,7 +29,7 @@ class LinkTester {
     bool going_on() const { return plan_.stop == nullptr || !*plan_.stop; }
     void pump(SessionTime until);
     void listen(SessionTime latest);
-    void knock();
+    void probe_all_ports();
     void find_mtu();
     bool passes(PortProbe& probe, std::size_t bytes, bool& refused_here);
     void load();
@@ -59,7 +59,7 @@ LinkTester::LinkTester(const LinkTestPlan& plan) : plan_(plan) {
 }
 
 LinkFigures LinkTester::run() {
-    knock();
+    probe_all_ports();
     const bool anybody =
         std::any_of(probes_.begin(), probes_.end(), [](const PortProbe& p) { return p.answers(); });
     if (anybody) {
@@ -80,7 +80,7 @@ void LinkTester::pump(SessionTime until) {
     while (wall_now() < until && going_on()) listen(until);
 }
 
-void LinkTester::knock() {
+void LinkTester::probe_all_ports() {
     const auto concluded = [&] {
         return std::all_of(probes_.begin(), probes_.end(), [](const PortProbe& p) { return p.concluded(); });
     };

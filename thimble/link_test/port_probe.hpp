@@ -18,8 +18,7 @@ namespace thimble {
 // IP_PMTUDISC_PROBE: the don't-fragment bit is set, and what the kernel believes about the path is not asked.
 void forbid_fragments(const UdpSocket& socket);
 
-// Its socket is connected, fragmentation forbidden, each arrival stamped by the kernel, and ICMP's complaints read instead of
-// lost.
+// The socket is connected, forbids fragmentation, stamps arrivals by the kernel and reads ICMP errors.
 class PortProbe {
   public:
     // `asker` tells this test from others of this host. Throws Error (network) if there is no such route at all.
@@ -32,7 +31,7 @@ class PortProbe {
     void take_all(std::vector<ClockExchange>& exchanges);
 
     void say_hello(SessionTime now);
-    // It answers, or has said twice why it does not.
+    // The port has answered, or has given two errors.
     bool concluded() const { return answers() || complaints_ > 1; }
     bool answers() const { return evidence_.welcomes > 0; }
 

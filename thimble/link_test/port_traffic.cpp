@@ -1,9 +1,8 @@
-#include "thimble/link_test/port_traffic.hpp"
-
 #include <algorithm>
 
 #include "common/codec.hpp"
 #include "common/node_process.hpp"
+#include "thimble/link_test/probe_packet.hpp"
 
 namespace thimble {
 namespace {

@@ -7,11 +7,15 @@
 //     56 far sent (u32)                  60 size of the datagram (u16)                 62 zero (u16)
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "common/channel.hpp"
+#include "common/network_settings.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
@@ -35,9 +39,24 @@ struct ProbePacket {
     SessionTime probe_sent{}, probe_arrived{}, echo_sent{};
 };
 
-// Into `room`, all of which is the datagram; at least kProbeHeaderBytes.
+// Writes a datagram that fills `room`, at least kProbeHeaderBytes.
 void write_probe(const ProbePacket& packet, std::span<std::uint8_t> room);
 // None if it is not exactly such a datagram.
 std::optional<ProbePacket> read_probe(Bytes datagram);
+
+// A session's traffic at each of its UDP ports: sizes from the codec, rates from docs/protocol.md.
+struct PortTraffic {
+    Port port = Port::kCount;
+    std::size_t bytes = 0;  // of one datagram
+    double rate_Hz = 0;     // while a trial runs
+    bool haptic = false;    // part of the loop at the rate of the handle's samples
+};
+
+// All ports, by offset.
+std::array<PortTraffic, kPortCount> session_traffic();
+// Those that the programs on `host` listen at; all if no role of [network] is there.
+std::vector<Port> ports_on(const NetworkSettings& network, const std::string& host);
+// "slave_needle", as in the list of ports of docs/protocol.md.
+const char* to_string(Port port);
 
 }  // namespace thimble

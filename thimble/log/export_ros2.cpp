@@ -36,7 +36,7 @@ constexpr std::array<Ros2Part, 5> kRos2Parts{{
     {"/slave_sim/force_feedback/cutaneous", "/cutaneous/servo_cf",
      "the force that reached the fingertip device (/cutaneous/servo_cf): log of thimble-cutaneous"},
     {"/cutaneous/percept", "/cutaneous/measured_cf",
-     "what is pressed on the finger (/cutaneous/measured_cf): logs of thimble-cutaneous, thimble-master"},
+     "force on the finger (/cutaneous/measured_cf): logs of thimble-cutaneous, thimble-master"},
 }};
 
 // When something passed, in ns since 1970: on the session's clock where the logs say what the writer's differs from it by, else on
@@ -145,13 +145,13 @@ class Ros2Export {
         if (topic.topic == "/cutaneous/percept") put(ros2::kFingerForce, {0, {}, p.force_N});
     }
 
-    // Orders are said to each node, and again until it answers: each is an event once. A network is said until the session
-    // ends: it is an event where it differs from the one before.
+    // True for a new event: the session repeats an order to each node until it answers, and a network until the
+    // session ends.
     bool is_news(const LoggedFile* file, const LoggedTopic& topic, const Header& header,
                  const SessionControl& control) {
         if (control.kind != ControlKind::kNetworkChange)
             return events_.insert({file, header.trial, control.kind}).second;
-        // An order that another has overtaken says an old network.
+        // An overtaken order has an old network.
         const auto [last, first] =
             last_orders_.try_emplace({file, topic.topic, header.instance}, header.sequence);
         if (!first && static_cast<std::int32_t>(header.sequence - last->second) < 0) return false;
@@ -183,7 +183,8 @@ class Ros2Export {
     std::map<std::tuple<const LoggedFile*, std::string, std::uint64_t>, std::uint32_t> last_orders_;
 };
 
-// A message may stand in two logs. Arrivals are taken from the receiver's log, all else from the sender's, or without that from the other's.
+// A message may stand in two logs. Arrivals are taken from the receiver's log, all else from the sender's, or without
+// that from the other's.
 class CopyChoice {
   public:
     explicit CopyChoice(const LoggedFiles& files) {

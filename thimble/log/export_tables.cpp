@@ -119,7 +119,7 @@ class Hdf5Export {
         file_ = H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT);
         if (file_ < 0) {
             throw Error(ExitCode::kUsage,
-                        fmt::format("{}: cannot be created: does it exist already, or its folder not?",
+                        fmt::format("{}: cannot be created: does it already exist, or is its folder missing?",
                                     path.string()));
         }
         groups_ = check(H5Pcreate(H5P_LINK_CREATE));
@@ -135,8 +135,8 @@ class Hdf5Export {
         HdfTable& table = tables_[row.file.name() + row.topic.topic + '/' + row.kind.name];
         if (table.columns.empty()) start(table, fields, row);
         if (table.file != &row.file)
-            throw Error(ExitCode::kUsage, fmt::format("{}: two logs would share the group {}", path_.string(),
-                                                      row.file.name() + row.topic.topic));
+            throw Error(ExitCode::kUsage, fmt::format("{}: two logs would use the same group {}",
+                                                      path_.string(), row.file.name() + row.topic.topic));
         ++table.rows;
         std::size_t next = 0;
         for (const std::uint64_t number : {row.message.log_time_ns, row.message.publish_time_ns})

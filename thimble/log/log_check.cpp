@@ -82,15 +82,14 @@ class FileCheck {
         for (const std::string& flaw : scan.flaws) say(true, flaw);
         say(!scan.finished, describe_end(file_));
         say(finding_.unreadable > 0,
-            fmt::format("{} messages are no thimble.wire.Packet", finding_.unreadable));
+            fmt::format("{} messages are not thimble.wire.Packet", finding_.unreadable));
         say(finding_.backward > 0, fmt::format("log times go back {} times", finding_.backward));
         say(finding_.stamps_backward > 0,
             fmt::format("senders' stamps go back {} times", finding_.stamps_backward));
         say(file_.lost() > 0,
-            fmt::format("the log itself lost {} messages: no room in its queue, or on the disk",
-                        file_.lost()));
+            fmt::format("{} messages are missing in the log: its queue or the disk was full", file_.lost()));
         say(finding_.missing_sent > file_.lost(),
-            fmt::format("{} messages were sent and are not in the log, which knows of {}",
+            fmt::format("{} messages were sent but are not in the log; it knows about {} of them",
                         finding_.missing_sent, file_.lost()));
     }
 
@@ -101,7 +100,7 @@ class FileCheck {
     std::uint64_t last_ns_ = 0;
 };
 
-// One end's message on the session's clock.
+// Message of one end, on the session's clock.
 struct PassedMessage {
     std::uint32_t sequence = 0;
     std::int64_t at_ns = 0;
@@ -245,9 +244,9 @@ RelayFinding compare_with_relay(const FlowFinding& flow, const nlohmann::json& l
         finding.problem +=
             fmt::format("{}{} packets {}", finding.problem.empty() ? "" : "; ", packets, where);
     };
-    wrong(finding.before, 0, "were lost before the relay, which did not see them");
-    wrong(finding.within, 0, "are neither delivered nor lost under a name by the relay");
-    wrong(finding.behind, unreadable, "were lost behind the relay, which delivered them");
+    wrong(finding.before, 0, "were lost before the relay, which did not receive them");
+    wrong(finding.within, 0, "are neither delivered nor counted as lost by the relay");
+    wrong(finding.behind, unreadable, "were lost after the relay, which sent them");
     return finding;
 }
 
@@ -290,7 +289,7 @@ std::vector<RelayFinding> check_relay(const std::vector<FlowFinding>& flows,
     } catch (const nlohmann::json::exception& error) {
         throw Error(
             ExitCode::kData,
-            fmt::format("{}: is no report of thimble-netem in a session: {}; check the logs without it",
+            fmt::format("{}: is not a report of thimble-netem in a session: {}; run the check without it",
                         report.string(), error.what()));
     }
     return findings;

@@ -14,9 +14,9 @@ namespace thimble {
 
 using LoggedFiles = std::vector<std::unique_ptr<LoggedFile>>;
 
-// One table per file, topic and kind of message in the folder, which is made: FILE.TOPIC.KIND.csv, of topics that begin with `topic`. Returns how
-// many. FILE is the name that open_logs() gave.
-// Throws Error: usage, if one exists; run failed, if one cannot be written.
+// One table per file, topic and kind of message in the folder, which is made: FILE.TOPIC.KIND.csv, of topics that
+// begin with `topic`. Returns how many. FILE is the name that open_logs() gave. Throws Error: usage, if one exists;
+// run failed, if one cannot be written.
 std::size_t export_csv(const LoggedFiles& files, const std::filesystem::path& folder,
                        const std::string& topic);
 

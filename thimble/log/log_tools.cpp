@@ -58,10 +58,10 @@ std::string describe_end(const LoggedFile& file) {
     const McapScan& scan = file.scan();
     if (scan.finished) return "whole";
     const std::uint64_t behind = file.bytes().size() - scan.whole_bytes;
-    std::string text = "its writer did not end it";
-    if (behind > 0) text += fmt::format(", {} bytes behind the last whole record", behind);
-    if (scan.recovered > 0) text += fmt::format(", {} messages out of an unfinished chunk", scan.recovered);
-    return text + "; thimble log repair makes a whole file of it";
+    std::string text = "its writer did not finish it";
+    if (behind > 0) text += fmt::format(", {} bytes after the last whole record", behind);
+    if (scan.recovered > 0) text += fmt::format(", {} messages from an unfinished chunk", scan.recovered);
+    return text + "; repair it with thimble log repair";
 }
 
 std::string describe_log(const LoggedFile& file) {

@@ -52,7 +52,8 @@ struct FlowFinding {
 };
 std::vector<FlowFinding> check_flows(const std::vector<std::unique_ptr<LoggedFile>>& files);
 
-// A flow that goes through thimble-netem, beside what that has counted: two books, kept apart. A message that the other end's log lacks was lost with a known reason, or was under way when the programs ended.
+// A flow that goes through thimble-netem, beside what that has counted: two books, kept apart. A message that the
+// other end's log lacks was lost with a known reason, or was under way when the programs ended.
 struct RelayFinding {
     std::string topic;
     std::uint64_t lost = 0;   // by the logs
@@ -63,7 +64,7 @@ struct RelayFinding {
     std::string names{};      // "472 lost, 3 queue_full"
     std::string problem{};    // empty: the books agree
 };
-// So much of a flow may be under way when its programs are told to end.
+// The most messages of a flow that may be under way when the programs end.
 inline constexpr std::int64_t kMostUnderWay = 100;
 // `report`: what thimble-netem wrote with --report, or a run into nodes/. Only of flows whose both ends are in the logs. Throws
 // Error (data) if it is no such report.

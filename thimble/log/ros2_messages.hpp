@@ -1,4 +1,5 @@
-// The ROS 2 messages that logs are exported as: their definitions (common_interfaces, ROS 2 Humble to Jazzy: the same in all), and their bytes.
+// The ROS 2 messages that logs are exported as: their definitions (common_interfaces, ROS 2 Humble to Jazzy: the same
+// in all), and their bytes.
 #pragma once
 
 #include <cstdint>

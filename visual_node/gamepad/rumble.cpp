@@ -27,7 +27,7 @@ bool rumbles(int file) {
 RumbleDevice::RumbleDevice(const std::filesystem::path& event)
     : file_(::open(event.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK)), event_(event.string()) {
     if (file_ < 0 && errno == EACCES) {
-        fail("may not be written to: the user must be in the group that owns it, often 'input'");
+        fail("may not be written: add the user to the group that owns it, often 'input'");
     } else if (file_ < 0) {
         fail(std::strerror(errno));
     } else if (!rumbles(file_)) {

@@ -8,7 +8,7 @@ namespace thimble {
 namespace {
 
 constexpr double kFullLevel = 65535;
-// A smaller step is none that a finger tells from the last.
+// A finger cannot feel a smaller step.
 constexpr int kLeastStep = 65536 / 32;
 
 bool far_apart(std::uint16_t a, std::uint16_t b) {

@@ -16,7 +16,7 @@ struct RumbleLevels {
 
 // A motor at its strongest. As the drawn fingertip: a nail's colour ceases to change at a few newton.
 inline constexpr double kFullRumble_N = 4;
-// Starts above the one, stops below the other: noise about zero makes no motor stutter.
+// Hysteresis, N: noise about zero makes no motor stutter.
 inline constexpr double kRumbleStarts_N = 0.10, kRumbleStops_N = 0.05;
 // A command to the motors ends by itself after so long, even if this program has died.
 inline constexpr Duration kRumbleLasts = std::chrono::milliseconds{500};
@@ -29,11 +29,12 @@ class RumblePace {
   public:
     // Each update is a transfer over USB or radio, so that there are at most 50 per second.
     static constexpr Duration kPeriod = std::chrono::milliseconds{20};
-    // A level that holds is said again so often: what was said stops by itself soon after (kRumbleLasts), so that no
-    // motor runs on when this program no longer does.
+    // Period of repeats: a command ends by itself after kRumbleLasts, so that no motor runs on when this program has
+    // ended.
     static constexpr Duration kSayAgain = std::chrono::milliseconds{250};
 
-    // Forces on index finger and thumb, N, 0 or more (NaN is 0). The command for the device now. None if the device has it already, or got another one too recently.
+    // Forces on index finger and thumb, N, 0 or more (NaN is 0). The command for the device now. None if the device
+    // has it already, or got another one too recently.
     std::optional<RumbleLevels> next(SessionTime now, double index_N, double thumb_N);
     // The device has been stopped, or is another one.
     void forget();

@@ -1,13 +1,14 @@
 #include "visual_node/gamepad/vibration.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+
+#include "common/decimal_text.hpp"
 
 namespace thimble {
 namespace {
@@ -21,16 +22,12 @@ std::string first_line(const fs::path& file) {
     return line;
 }
 
-std::optional<unsigned> hexadecimal(std::string_view text) {
-    unsigned value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
-    if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-    return value;
-}
+std::optional<unsigned> hexadecimal(std::string_view text) { return parse_whole<unsigned>(text, 16); }
 
 // Low byte first; 0 if it is none.
 std::uint16_t word_at(std::string_view guid, std::size_t digit) {
-    const auto low = hexadecimal(guid.substr(digit, 2)), high = hexadecimal(guid.substr(digit + 2, 2));
+    const auto low = hexadecimal(guid.substr(digit, 2));
+    const auto high = hexadecimal(guid.substr(digit + 2, 2));
     return low && high ? static_cast<std::uint16_t>(*low | *high << 8) : std::uint16_t{0};
 }
 
@@ -84,7 +81,7 @@ void Vibration::open(const std::string& event) {
     }
 }
 
-// The same one is not said twice: a pad with a loose cable would fill the log.
+// Logs a notice once: a pad with a loose cable would fill the log.
 void Vibration::say(const std::string& notice) {
     if (notice == notice_) return;
     notice_ = notice;
@@ -98,8 +95,7 @@ void Vibration::plugged(const JoystickIdentity& joystick) {
     if (joystick.name.empty()) return;
     if (!device_.empty()) return open(device_);
     if (const auto event = find_event_device(classes_, joystick)) return open(*event);
-    say(fmt::format("the gamepad does not vibrate: '{}' has no motors that the kernel knows of",
-                    joystick.name));
+    say(fmt::format("the gamepad does not vibrate: the kernel finds no motors in '{}'", joystick.name));
 }
 
 void Vibration::feel(SessionTime now, double index_N, double thumb_N) {

@@ -3,27 +3,27 @@
 #include <algorithm>
 #include <cassert>
 
-#include "common/network_words.hpp"
+#include "common/network_labels.hpp"
 
 namespace thimble {
 namespace {
 
-constexpr Key kIdeal{Command::kNetwork0, '5', "ideal", "no network at all"};
-constexpr Key kWifi{Command::kNetwork1, '6', "wifi", "2 ms back, in bursts, 0.2 % lost"};
-constexpr Key kPaper{Command::kNetwork2, '7', "paper50", "50 ms back and nothing else, as in the paper"};
-constexpr Key kLeo{Command::kNetwork3, '8', "leo", "low satellites: 18 ms, jitter, another one each 15 s"};
+constexpr Key kIdeal{Command::kNetwork0, '5', "ideal", "no delay, no loss"};
+constexpr Key kWifi{Command::kNetwork1, '6', "wifi", "force 2 ms late, bursts, 0.2 % lost"};
+constexpr Key kPaper{Command::kNetwork2, '7', "paper50", "force 50 ms late, nothing else, as in the paper"};
+constexpr Key kLeo{Command::kNetwork3, '8', "leo", "low satellites: 18 ms, jitter, handover every 15 s"};
 constexpr Key kLte{Command::kNetwork4, '9', "lte", "35 ms each way, jitter, 0.1 % lost"};
 constexpr Key kGeo{Command::kNetwork5, '0', "geo", "300 ms each way by a high satellite, 0.5 % lost"};
 constexpr Key kLess{Command::kDelayDown, '-', "-5 ms", "less delay; Left arrow too"};
 constexpr Key kMore{Command::kDelayUp, '+', "+5 ms", "more delay; Right arrow too"};
-constexpr Key kPauseKey{Command::kPause, 'p', "Pause", "no further trial, or go on"};
+constexpr Key kPauseKey{Command::kPause, 'p', "Pause", "start no further trial; again: continue"};
 constexpr Key kHelpKey{Command::kHelp, '?', "Keys", "this list"};
 
 constexpr std::array kExperimenterKeys{
-    Key{Command::kHF, '1', "HF", "next start: force at the handle"},
-    Key{Command::kCF, '2', "CF", "next start: on the fingers that act"},
-    Key{Command::kCCF, '3', "CCF", "next start: on the other hand's fingers"},
-    Key{Command::kVF, '4', "VF", "next start: bar on the screen"},
+    Key{Command::kHF, '1', "HF", "next trial: force at the handle"},
+    Key{Command::kCF, '2', "CF", "next trial: on the acting hand's fingers"},
+    Key{Command::kCCF, '3', "CCF", "next trial: on the other hand's fingers"},
+    Key{Command::kVF, '4', "VF", "next trial: bar on the screen"},
     kIdeal,
     kWifi,
     kPaper,
@@ -32,13 +32,13 @@ constexpr std::array kExperimenterKeys{
     kGeo,
     kLess,
     kMore,
-    Key{Command::kStart, 's', "Start", "a trial of the chosen modality"},
+    Key{Command::kStart, 's', "Start", "start a trial with the chosen modality"},
     kPauseKey,
-    Key{Command::kEndTrial, 'e', "End trial", "the running one"},
-    Key{Command::kRepeat, 'r', "Repeat", "the trial shown, later"},
-    Key{Command::kExclude, 'x', "Exclude", "the trial shown; asks first"},
-    Key{Command::kYes, 'y', "Yes", "to the question"},
-    Key{Command::kNo, 'n', "No", "to the question; Escape too"},
+    Key{Command::kEndTrial, 'e', "End trial", "end the running trial"},
+    Key{Command::kRepeat, 'r', "Repeat", "repeat the shown trial later"},
+    Key{Command::kExclude, 'x', "Exclude", "exclude the shown trial; asks first"},
+    Key{Command::kYes, 'y', "Yes", "answer the question"},
+    Key{Command::kNo, 'n', "No", "answer the question; Escape too"},
     kHelpKey,
 };
 
@@ -49,36 +49,36 @@ constexpr std::array kPlayerKeys{
         "Belts press the fingers that hold the needle. It stays calm."},
     Key{Command::kCCF, '3', "On the other hand", "Belts press the fingers of the other hand. It stays calm."},
     Key{Command::kVF, '4', "As a bar", "A bar shows the force. It stays calm: watch the bar's length."},
-    Key{Command::kNetwork0, '5', network_words("ideal"), "no network at all"},
-    Key{Command::kNetwork1, '6', network_words("wifi"), "2 ms back, in bursts, 0.2 % lost"},
-    Key{Command::kNetwork2, '7', network_words("paper50"), "50 ms back and nothing else, as in the paper"},
-    Key{Command::kNetwork3, '8', network_words("leo"), "18 ms, jitter, another satellite each 15 s"},
-    Key{Command::kNetwork4, '9', network_words("lte"), "35 ms each way, jitter, 0.1 % lost"},
-    Key{Command::kNetwork5, '0', network_words("geo"), "300 ms each way by a high satellite, 0.5 % lost"},
+    Key{Command::kNetwork0, '5', network_label("ideal"), "no delay, no loss"},
+    Key{Command::kNetwork1, '6', network_label("wifi"), "force 2 ms late, bursts, 0.2 % lost"},
+    Key{Command::kNetwork2, '7', network_label("paper50"), "force 50 ms late, nothing else, as in the paper"},
+    Key{Command::kNetwork3, '8', network_label("leo"), "18 ms, jitter, satellite handover every 15 s"},
+    Key{Command::kNetwork4, '9', network_label("lte"), "35 ms each way, jitter, 0.1 % lost"},
+    Key{Command::kNetwork5, '0', network_label("geo"), "300 ms each way by a high satellite, 0.5 % lost"},
     kLess,
     kMore,
-    Key{Command::kStart, ' ', "Again", "another try that feels the same"},
+    Key{Command::kStart, ' ', "Again", "start another trial with the same feel"},
     kPauseKey,
-    Key{Command::kEndTrial, 'e', "End", "this try"},
+    Key{Command::kEndTrial, 'e', "End", "end this trial"},
     kHelpKey,
 };
 
 constexpr std::array kReplayKeys{
-    Key{Command::kPlayPause, ' ', "Play", "stand still, or go on; from the end: once more"},
-    Key{Command::kFrameBack, ',', "Frame", "a sixtieth of a second back, and stand still"},
-    Key{Command::kFrameOn, '.', "Frame", "a sixtieth of a second on, and stand still"},
-    Key{Command::kBack, kLeftKey, "-0.1 s", "a tenth of a second back"},
-    Key{Command::kOn, kRightKey, "+0.1 s", "a tenth of a second on"},
-    Key{Command::kFarBack, kShiftLeftKey, "-1 s", "a second back"},
-    Key{Command::kFarOn, kShiftRightKey, "+1 s", "a second on"},
-    Key{Command::kToBegin, kHomeKey, "Begin", "to the trial's begin"},
-    Key{Command::kToEnd, kEndKey, "End", "to the trial's end"},
-    Key{Command::kSpeed0, '1', "0.1 x", "of the recorded speed"},
-    Key{Command::kSpeed1, '2', "0.25 x", "of the recorded speed"},
-    Key{Command::kSpeed2, '3', "0.5 x", "of the recorded speed"},
-    Key{Command::kSpeed3, '4', "1 x", "as fast as it was"},
-    Key{Command::kSpeed4, '5', "2 x", "of the recorded speed"},
-    Key{Command::kSpeed5, '6', "5 x", "of the recorded speed"},
+    Key{Command::kPlayPause, ' ', "Play", "pause or continue; at the end: play again"},
+    Key{Command::kFrameBack, ',', "Frame", "1/60 s back, then pause"},
+    Key{Command::kFrameOn, '.', "Frame", "1/60 s forward, then pause"},
+    Key{Command::kBack, kLeftKey, "-0.1 s", "0.1 s back"},
+    Key{Command::kOn, kRightKey, "+0.1 s", "0.1 s forward"},
+    Key{Command::kFarBack, kShiftLeftKey, "-1 s", "1 s back"},
+    Key{Command::kFarOn, kShiftRightKey, "+1 s", "1 s forward"},
+    Key{Command::kToBegin, kHomeKey, "Begin", "to the start of the trial"},
+    Key{Command::kToEnd, kEndKey, "End", "to the end of the trial"},
+    Key{Command::kSpeed0, '1', "0.1 x", "slower than recorded"},
+    Key{Command::kSpeed1, '2', "0.25 x", "slower than recorded"},
+    Key{Command::kSpeed2, '3', "0.5 x", "slower than recorded"},
+    Key{Command::kSpeed3, '4', "1 x", "as recorded"},
+    Key{Command::kSpeed4, '5', "2 x", "faster than recorded"},
+    Key{Command::kSpeed5, '6', "5 x", "faster than recorded"},
     kHelpKey,
 };
 

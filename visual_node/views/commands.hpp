@@ -1,5 +1,5 @@
-// What can be pressed in a view, and the key of each: one list, of which buttons, keyboard and help are made, so that none
-// can be without the others. Keys are characters, as the person's own keyboard layout gives them.
+// The commands of a view with their keys. Buttons, keyboard and help come from this one list, so that they agree.
+// Keys are characters, as the user's own keyboard layout gives them.
 #pragma once
 
 #include <array>
@@ -73,8 +73,8 @@ std::span<const Key> replay_keys();
 std::optional<Command> find_command(std::span<const Key> keys, unsigned character);
 const Key& key_of(std::span<const Key> keys, Command command);
 
-// Networks that come with the programs (docs/network-profiles.md), both ways with jitter and loss; of the others some differ
-// less than can be felt, and some are farther than anybody touches anything.
+// Networks offered in views (docs/network-profiles.md), both ways with jitter and loss. Others feel too similar, or
+// are farther than any touch application.
 struct OfferedNetwork {
     const char* profile;
     double delay_s;  // of its force path, mean: how a view tells that it holds

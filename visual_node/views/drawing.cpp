@@ -156,7 +156,7 @@ void draw_key_help(std::span<const Key> keys, const Rect& area, double scale) {
     ImGui::TextColored(gui_colour(kOrange), "Backspace: EMERGENCY STOP");
     const bool player = std::none_of(keys.begin(), keys.end(),
                                      [](const Key& key) { return key.command == Command::kRepeat; });
-    if (player) ImGui::TextUnformatted("Esc: let go. F2: times. F12: save the picture. F10: end.");
+    if (player) ImGui::TextUnformatted("Esc: release needle. F2: times. F12: save picture. F10: end.");
     ImGui::End();
 }
 

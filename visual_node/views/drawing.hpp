@@ -51,7 +51,8 @@ struct TypedCommands {
     const Command* begin() const { return commands.data(); }
     const Command* end() const { return commands.data() + count; }
 };
-// Arrows are the delay's steps and Escape is No, as far as `keys` has them. None while the user types a number into a field. Inside an ImGui frame.
+// Arrows are the delay's steps and Escape is No, as far as `keys` has them. None while the user types a number into a
+// field. Inside an ImGui frame.
 TypedCommands typed_commands(std::span<const Key> keys);
 
 // A button that fills `cell`, with its key beside its name and its help as a tooltip. True when pressed. `chosen`: it is lit.

@@ -82,11 +82,11 @@ class ExperimenterModel {
         const OrderSender& orders = link_.orders();
         const bool sent = orders.progress(*unseen_) == OrderProgress::kSent;
         return TextLine::of("{} of trial {}: {}", to_string(*unseen_), orders.asked(*unseen_).trial,
-                            sent ? "sent, the session's log has the answer" : "being sent");
+                            sent ? "sent, see the session's log for the answer" : "being sent");
     }
 
   private:
-    // Where the surface is while nothing presses it. A view that comes later takes what it sees first.
+    // Rest position of the surface. A view that starts later takes the first one it sees.
     void find_rest() {
         const Monitor& m = link_.monitor();
         const std::uint32_t trial = link_.receiver().trial();

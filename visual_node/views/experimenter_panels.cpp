@@ -121,7 +121,7 @@ void draw_controls(const Rect& rect, double scale, ExperimenterModel& model, Ses
     ImGui::SetCursorScreenPos(corner(grid.cell(kNoticeRow, 0, 1)));
     const bool asking = model.link().orders().asking();
     const TextLine notice = model.notice();
-    ImGui::TextUnformatted(asking && notice.view().empty() ? "asking the session" : notice.c_str());
+    ImGui::TextUnformatted(asking && notice.view().empty() ? "waiting for the session" : notice.c_str());
     ImGui::PopStyleVar();
     ImGui::End();
 }

@@ -48,7 +48,7 @@ void draw_controls(const Rect& rect, double scale, ExperimenterModel& model, Ses
 // The question that excluding asks, over everything; nothing while there is none.
 void draw_question(double scale, ExperimenterModel& model, SessionTime now);
 
-// `thimble-visual --view experimenter`: a window of its own, which hears the session and asks it. It is no node of the session: both may
+// `thimble-visual --role experimenter`: a window of its own, which hears the session and asks it. It is no node of the session: both may
 // come and go while the other runs.
 
 // Whether the command line asks for this view, before it is parsed.

@@ -20,7 +20,7 @@
 #include "visual_node/window/gl_window.hpp"
 #include "visual_node/window/gui_layer.hpp"
 #include "visual_node/window/image.hpp"
-#include "visual_node/window/mesh_painter.hpp"
+#include "visual_node/window/painter.hpp"
 // clang-format off
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -30,7 +30,7 @@ namespace thimble {
 namespace {
 
 struct ViewOptions {
-    std::string view, config, screenshot;
+    std::string role, config, screenshot;
     int base_port = 0;
     double seconds = 0;  // 0: until the user closes it
     double scale = 0;    // 0: the monitor's
@@ -108,23 +108,23 @@ class ExperimenterView {
     Image last_;
 };
 
-// Straight to every program: the session may be what hangs.
+// Sent directly to every program: the session may hang.
 void ExperimenterView::hear_stop_key(SessionTime now, std::span<const WindowEvent> events) {
     for (const WindowEvent& event : events) {
         const bool pressed = event.kind == WindowEvent::Kind::kKey && event.pressed && !event.repeated;
         if (pressed && event.key == GLFW_KEY_BACKSPACE)
-            stop_everything(now, "the stop key at the experimenter's view");
+            stop_everything(now, "the stop key in the experimenter's view");
     }
     if (emergency_stops() != stops_heard_) {
         stops_heard_ = emergency_stops();
-        stop_everything(now, "SIGQUIT at the experimenter's view");
+        stop_everything(now, "SIGQUIT to the experimenter's view");
     }
     stops_.tick(now);
 }
 
 void ExperimenterView::stop_everything(SessionTime now, std::string_view words) { stops_.stop(now, words); }
 
-// Without swapping: what a compositor adds is neither's cost.
+// Without swapping: the compositor's time belongs to neither.
 void ExperimenterView::draw_empty() {
     const SessionTime begin = wall_now();
     window_.begin_frame(kBlack);
@@ -191,31 +191,35 @@ int ExperimenterView::run() {
     while (turn(started)) {
     }
     if (window_.lost())
-        throw Error(ExitCode::kRunFailed, "the screen is gone; start the view again on another");
+        throw Error(ExitCode::kRunFailed, "the view has lost its screen: start it again on another screen");
     finish();
     return static_cast<int>(ExitCode::kOk);
 }
 
 void add_options(CLI::App& app, ViewOptions& options) {
-    app.add_option("--view", options.view, "experimenter: this view")->required();
-    app.add_option("session", options.config, "session file (TOML): where the session is");
-    app.add_option("--base-port", options.base_port, "first UDP port, instead of [network].base_port")
+    app.add_option("--role", options.role,
+                   "experimenter, for this view; thimble-visual --help shows the others")
+        ->required();
+    app.add_option("session", options.config, "session file (TOML) of the running session");
+    app.add_option("--base-port", options.base_port, "first UDP port, instead of [network] base_port")
         ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
         ->type_name("PORT");
-    app.add_option("--screenshot", options.screenshot, "write the last frame to this PNG file at the end");
-    app.add_option("--seconds", options.seconds, "end after so long; 0: when the window is closed")
+    app.add_option("--screenshot", options.screenshot, "save the last picture to this PNG file")
+        ->type_name("FILE");
+    app.add_option("--seconds", options.seconds, "end after this time, s; 0: run until the window is closed")
         ->check(CLI::Range(0.0, 1e6));
-    app.add_option("--width", options.width, "of the window, pixels at content scale 1")
+    app.add_option("--width", options.width, "width of the window, pixels at scale 1")
         ->check(CLI::Range(200, 8000));
-    app.add_option("--height", options.height)->check(CLI::Range(150, 8000));
-    app.add_option("--scale", options.scale, "content scale instead of the monitor's")
+    app.add_option("--height", options.height, "height of the window, pixels at scale 1")
+        ->check(CLI::Range(150, 8000));
+    app.add_option("--scale", options.scale, "scale of text and lines, instead of the monitor's")
         ->check(CLI::Range(0.5, 8.0));
     app.add_flag("--frame-times", options.frame_times,
-                 "print how long the view and an empty window take to draw, as JSON, at the end");
+                 "print drawing times of the view and of an empty window as JSON at the end");
     app.add_flag("--die-with-parent", options.launcher, kDieWithParentHelp);
     app.set_version_flag("--version", std::string(kVersion));
     app.footer(
-        "Example:\n  thimble-visual --view experimenter deploy/sessions/delay50.toml\n\n"
+        "Example:\n  thimble-visual --role experimenter deploy/sessions/delay50.toml\n\n"
         "Exit codes: 0 ok, 1 the screen was lost, 2 usage, configuration or no screen, 3 network, 5 data.");
 }
 
@@ -224,8 +228,8 @@ void add_options(CLI::App& app, ViewOptions& options) {
 bool asks_for_experimenter_view(int argc, char** argv) {
     for (int i = 1; i < argc; ++i) {
         const std::string_view word = argv[i];
-        if (word == "--view=experimenter") return true;
-        if (word == "--view" && i + 1 < argc && std::string_view(argv[i + 1]) == "experimenter") return true;
+        if (word == "--role=experimenter") return true;
+        if (word == "--role" && i + 1 < argc && std::string_view(argv[i + 1]) == "experimenter") return true;
     }
     return false;
 }
@@ -233,10 +237,9 @@ bool asks_for_experimenter_view(int argc, char** argv) {
 int run_experimenter_view(int argc, char** argv) {
     return guarded_main("thimble-visual", [&] {
         CLI::App app(
-            "Shows the experimenter what the subject may not see: fixture, inserted needle, forces, delays, "
-            "energy; "
-            "and asks the session for delay, modality, pause, repeats and exclusions. '?' lists the keys; "
-            "Backspace is the emergency stop.",
+            "Shows the experimenter what the subject does not see: fixture, needle inside the tissue, "
+            "forces, delays, energy. It also sends the session requests: delay, modality, pause, repeat, "
+            "exclude. '?' lists the keys; Backspace is the emergency stop.",
             "thimble-visual");
         ViewOptions options;
         add_options(app, options);

@@ -50,8 +50,8 @@ class MonitorHistory {
     void add(SessionTime now, std::uint32_t trial, const Monitor& monitor);
     void clear() { samples_.clear(); }
 
-    // Where the right edge of a plot is, s since the trial's start: it moves on while the trial runs, even when no
-    // message comes, so that silence shows as a gap that grows.
+    // Right edge of a plot, s since the trial's start. It moves on while the trial runs, so that silence shows as a
+    // growing gap.
     double end_s(SessionTime now) const;
     double window_s() const { return window_s_; }
     std::size_t size() const { return samples_.size(); }

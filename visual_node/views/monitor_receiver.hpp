@@ -10,9 +10,9 @@
 
 namespace thimble {
 
-// After so long without a word the view says so: twice a heartbeat's patience would be a second of false calm.
+// The view reports silence after this time. Twice a heartbeat's patience would hide a loss for a second.
 inline constexpr Duration kMonitorSilence = std::chrono::milliseconds{500};
-// A replay says so ten times a second. Who has not said it for so long, and speaks, is none.
+// A replay identifies itself ten times a second. A sender without that for this time is a session.
 inline constexpr Duration kReplaySilence = std::chrono::seconds{1};
 
 class MonitorReceiver {
@@ -47,7 +47,7 @@ class MonitorReceiver {
 
     const Monitor& newest() const { return monitor_; }  // as constructed before the first
     std::uint32_t trial() const { return trial_; }      // of the newest
-    // Where what speaks is a recorded trial; else null.
+    // State of the replay if the sender shows a recorded trial; else null.
     const ReplayState* replay() const {
         const bool said = replay_arrived_ != kNever && arrived_ - replay_arrived_ <= kReplaySilence;
         return said ? &replay_ : nullptr;

@@ -5,7 +5,7 @@
 namespace thimble {
 namespace {
 
-// -0.00 says nothing that 0.00 does not.
+// Avoids -0.00, which means 0.00.
 double without_sign_of_zero(double value, double resolution) {
     return value > -resolution / 2 && value <= 0 ? 0.0 : value;
 }
@@ -75,7 +75,7 @@ TextLine round_trip_text(double round_trip_s) {
 
 TextLine trial_text(std::uint32_t trial, std::uint32_t trials) {
     if (trial == 0) return TextLine::of("none yet");
-    if (trials == 0) return TextLine::of("{}, without a plan", trial);
+    if (trials == 0) return TextLine::of("{}, no planned number", trial);
     return TextLine::of("{} of {}", trial, trials);
 }
 
@@ -106,8 +106,8 @@ std::array<Reading, kReadingCount> read_monitor(const Monitor& monitor, std::uin
         {"port energy", energy_text(monitor.energy_in_J)},
         {"round trip", round_trip_text(monitor.round_trip_s)},
         {"one way", one_way_text(monitor.one_way_s, monitor.one_way_bound_s)},
-        {"delay asked", time_text(monitor.network_delay_s)},
-        {"packets", TextLine::of("{} in, {} refused", monitor.accepted, monitor.refused)},
+        {"set delay", time_text(monitor.network_delay_s)},
+        {"packets", TextLine::of("{} in, {} rejected", monitor.accepted, monitor.refused)},
     }};
 }
 
@@ -118,7 +118,7 @@ EnergyBalance judge_energy(double energy_in_J) {
 }
 
 const char* to_string(EnergyBalance energy) {
-    static constexpr std::array kNames{"none yet", "passive", "gives out more than it got"};
+    static constexpr std::array kNames{"none yet", "passive", "gives out more than it received"};
     return kNames.at(static_cast<std::size_t>(energy));
 }
 

@@ -79,8 +79,7 @@ bool OrderSender::shows(const Asked& asked, const SessionView& session) {
 }
 
 void OrderSender::step(SessionTime now, Asked& asked, const SessionView& session) {
-    // What a session said before it fell silent, or before it can have heard the order, proves nothing; that it fell
-    // silent proves that it has quit.
+    // Old messages of a session that has fallen silent prove nothing. The silence proves that it has quit.
     const bool quit = asked.order.kind == OrderKind::kQuit;
     if (now - asked.since < kOrderRepeat) return;
     if (quit ? session.silent : !session.silent && shows(asked, session)) {

@@ -1,5 +1,5 @@
-// Sends the user's orders to the session, again and again until the Monitor shows the effect. UDP loses messages; a button that
-// sometimes does nothing is worse than none.
+// Repeats the user's orders until the Monitor shows their effect: UDP loses messages, and each press of a button must
+// count.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace thimble {
 
 inline constexpr Duration kOrderRepeat = std::chrono::milliseconds{50};
 inline constexpr Duration kOrderPatience = std::chrono::seconds{2};
-// Orders whose effect no Monitor shows are said as often as slave_sim's beep, and believed.
+// Repeats of an order whose effect no Monitor shows, as many as of slave_sim's beep.
 inline constexpr int kUnseenOrderTimes = 5;
 
 enum class OrderProgress : std::uint8_t {
@@ -36,11 +36,11 @@ class OrderSender {
     // `instance`: random per program start. `channel` outlives the sender.
     OrderSender(std::uint64_t instance, Channel& channel);
 
-    // Sends at once, with the trial in the header that `session` shows: an EndTrial that comes late can then be told from one
-    // for the next trial. An order of the same kind that is still being asked is replaced (a slider that moves); Pause calls off
-    // Resume and the reverse, Start calls off EndTrial, Delay calls off Network and the reverse.
+    // Sends at once. The header names the trial that `session` shows, so that a late EndTrial does not end the next
+    // trial. An order replaces a pending one of its kind (a slider that moves). Pause cancels Resume and the reverse,
+    // Start cancels EndTrial, Delay cancels Network and the reverse.
     void ask(SessionTime now, const Order& order, const SessionView& session);
-    // Repeats what is due, ends what has shown itself or took too long.
+    // Repeats orders that are due; ends those that took effect or too long.
     void update(SessionTime now, const SessionView& session);
 
     OrderProgress progress(OrderKind kind) const { return at(kind).progress; }

@@ -126,13 +126,13 @@ PlayerStep PlayerModel::step(SessionTime now) const {
 const char* PlayerModel::hint() const {
     static constexpr std::array kHints{
         "Choose on the right how to feel the force, or press Space.",
-        "Paused. Press P to go on, or choose on the right how to feel the force.",
-        "The needle is held: no commands arrive at the tissue.",
+        "Paused. Press P to continue, or choose on the right how to feel the force.",
+        "The needle is held: no commands reach the tissue.",
         "Click in this picture. Then move the mouse down, towards you.",
-        "Move the mouse down: the needle goes to the skin. Esc lets go.",
-        "Push on: the skin gives way, and then it tears.",
-        "Inside. Push on until something stops you.",
-        "Something stops you. Stay there until the beep, and push no harder.",
+        "Move the mouse down: the needle goes to the skin. Esc releases the needle.",
+        "Keep pushing: the skin gives way, and then it tears.",
+        "The needle is inside. Push until something stops it.",
+        "Something stops the needle. Stay there until the beep, and push no harder.",
         "The force comes late: does it shake? Now choose No delay on the right.",
         "That was the beep. Move the mouse up to pull the needle out.",
     };

@@ -79,7 +79,7 @@ void PlayerPanel::draw_rows(double scale, SessionTime now) {
         draw_modalities(scale, now);
         draw_delay(scale, now);
         draw_plot(scale, now);
-        ImGui::Text("there and back: %s", round_trip_text(model_.link().monitor().round_trip_s).c_str());
+        ImGui::Text("round trip: %s", round_trip_text(model_.link().monitor().round_trip_s).c_str());
     }
     const Rect row = row_here((kRow - 4) * scale);
     if (draw_button(model_.keys(), Command::kHelp, row, model_.help())) model_.press(now, Command::kHelp);
@@ -95,7 +95,7 @@ void PlayerPanel::draw_hint(const Rect& scene, double scale) const {
     const float size = kLarger * ImGui::GetFontSize(), wrap = static_cast<float>(width - 2 * margin);
     const bool stopped = stops_ != nullptr && stops_->holds();
     const char* const text =
-        stopped ? "Everything is stopped. To go on, hold the yellow button at the lower right for 1 s."
+        stopped ? "Everything is stopped. To continue, hold the yellow button at the lower right for 1 s."
                 : model_.hint();
     const ImVec2 extent = font->CalcTextSizeA(size, FLT_MAX, wrap, text);
     ImDrawList& list = *ImGui::GetBackgroundDrawList();

@@ -16,7 +16,7 @@ namespace thimble {
 class PlayerPanel final : public Overlay {
   public:
     // `instance`: random per program start. Monitors come in at Port::kPlayerMonitor, orders go to
-    // Port::kSessionPlayerOrders; the channels outlive the panel and are nobody else's.
+    // Port::kSessionPlayerOrders; the channels outlive the panel and belong to it alone.
     PlayerPanel(std::uint64_t instance, const SessionLink::Channels& channels, StopControl* stops = nullptr)
         : model_(instance, channels), stops_(stops) {}
 
@@ -45,7 +45,7 @@ class PlayerPanel final : public Overlay {
     PlotPanel plot_;
 };
 
-// The player's panel with sockets of its own, as `thimble-visual --view player` puts it over the scene. Closing the window ends the
+// The player's panel with sockets of its own, as `thimble-visual --role player` puts it over the scene. Closing the window ends the
 // game: the session gets Quit.
 class PlayerOverlay final : public Overlay {
   public:

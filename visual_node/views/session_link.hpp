@@ -1,4 +1,4 @@
-// A view's two ends of its talk with the session: Monitors in, kept and remembered; Orders out, until they show.
+// A view's connection to the session: receives and stores Monitors, repeats orders until they take effect.
 #pragma once
 
 #include <algorithm>
@@ -60,7 +60,8 @@ class SessionLink {
         ask(now, OrderKind::kDelay, Modality::kHF, std::clamp(delay_s, 0.0, kDelayLimit_s));
     }
 
-    // What means the same in every view of a session: networks, steps of the delay, pause, end. False: another command.
+    // Carries out commands that are the same in every view: networks, delay steps, pause, end. False: another
+    // command.
     bool take(SessionTime now, Command command) {
         if (const OfferedNetwork* offered = network_of(command)) {
             ask_network(now, *offered);
@@ -101,18 +102,18 @@ class SessionLink {
 
     // The warning to read first: no session speaks, or it does not answer. Empty: none.
     TextLine alarm(SessionTime now) const {
-        if (!receiver_.heard()) return TextLine::of("No session has spoken yet. Waiting for one.");
+        if (!receiver_.heard()) return TextLine::of("Waiting for the session's first message.");
         if (receiver_.silent(now)) {
-            return TextLine::of("The session is silent, for {} now. What you see is old.",
+            return TextLine::of("No message from the session for {}. The values shown are old.",
                                 age_text(receiver_.age(now)).view());
         }
         const Order* order = orders_.unanswered();
         if (order != nullptr && order->kind == OrderKind::kNetwork) {
-            return TextLine::of("The session has not taken the network '{}': it may not know it.",
+            return TextLine::of("The session has not set the network '{}': its version may not have it.",
                                 order->network.view());
         }
         if (order != nullptr) {
-            return TextLine::of("The session does not answer: '{}' was asked for {} s.",
+            return TextLine::of("The session does not answer: '{}' was requested {} s ago.",
                                 to_string(order->kind), to_seconds(kOrderPatience));
         }
         return {};

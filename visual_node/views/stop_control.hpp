@@ -1,5 +1,5 @@
-// The emergency stop at a view: says it straight to every program, knows whether one holds, and releases it. No clock: `now` is the
-// caller's.
+// The emergency stop of a view: sends it directly to every program, knows whether a stop is active, and releases it.
+// No clock: `now` is the caller's.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace thimble {
 
 class StopControl : boost::noncopyable {
   public:
-    // A press that lasts so long is meant: a released stop lets forces come back.
+    // Only a press of this length releases a stop, because forces come back then.
     static constexpr Duration kHeldPress = std::chrono::seconds{1};
 
     // `instance`: random per start. `at`: where the programs hear stops; outlives this.
@@ -68,7 +68,7 @@ class StopControl : boost::noncopyable {
         look(now);
     }
 
-    // As far as programs answer.
+    // Whether a stop is active, from the programs' answers.
     bool holds() const { return holds_; }
 
   private:
@@ -83,7 +83,7 @@ class StopControl : boost::noncopyable {
         next_look_ = now;
     }
 
-    // An inquiry remembers what it has heard, so each look is a new one.
+    // A new inquiry each time, because an inquiry keeps its answers.
     void look(SessionTime now) {
         if (now >= next_look_) {
             if (inquiry_) holds_ = !inquiry_->held().empty();

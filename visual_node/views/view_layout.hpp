@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "visual_node/window/rect.hpp"
+#include "visual_node/window/mesh.hpp"
 
 namespace thimble {
 

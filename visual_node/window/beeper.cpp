@@ -67,7 +67,7 @@ bool Beeper::built() { return true; }
 
 void Beeper::prepare(const Tone& tone, std::unique_ptr<Impl> impl) {
     if (impl->device == nullptr) {
-        notice_ = "no sound: OpenAL finds no output device, the beep will be silent";
+        notice_ = "no sound: OpenAL finds no output device, so the beep is silent";
         return;
     }
     const std::array<ALCint, 7> loopback{ALC_FORMAT_CHANNELS_SOFT,
@@ -79,7 +79,7 @@ void Beeper::prepare(const Tone& tone, std::unique_ptr<Impl> impl) {
                                          0};
     impl->context = alcCreateContext(impl->device, impl->render == nullptr ? nullptr : loopback.data());
     if (impl->context == nullptr || alcMakeContextCurrent(impl->context) == ALC_FALSE) {
-        notice_ = "no sound: OpenAL cannot use its output device, the beep will be silent";
+        notice_ = "no sound: OpenAL cannot use its output device, so the beep is silent";
         return;
     }
     const auto samples = samples_of(tone, kRate_Hz);
@@ -107,7 +107,7 @@ void Beeper::render(std::span<std::int16_t> samples) {
 struct Beeper::Impl {};
 
 Beeper::Beeper(const Tone& /*tone*/)
-    : notice_("no sound: THIMBLE_AUDIO is off in this build, the beep will be silent") {}
+    : notice_("no sound: this build has none (THIMBLE_AUDIO is off), so the beep is silent") {}
 Beeper::Beeper(const Tone& tone, Loopback /*loopback*/) : Beeper(tone) {}
 bool Beeper::built() { return false; }
 void Beeper::beep() {}

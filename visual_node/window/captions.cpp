@@ -24,7 +24,7 @@ std::string which_of(const Page& page) {
 }
 
 std::string break_text(const Page& page) {
-    if (page.remaining_s <= 0) return "Say when you want to go on.";
+    if (page.remaining_s <= 0) return "Say when you want to continue.";
     return break_time(page) + " to go";
 }
 
@@ -153,9 +153,9 @@ PageText page_text(const Page& page) {
         case PageKind::kBreak:
             return {"A break", break_text(page)};
         case PageKind::kPaused:
-            return {"Paused", "It will go on in a moment."};
+            return {"Paused", "It will continue in a moment."};
         case PageKind::kDone:
-            return {"Done", "Thank you. You may let go."};
+            return {"Done", "Thank you. You may release the handle."};
         case PageKind::kWait:
             return {"One moment", which_of(page)};
         case PageKind::kQuestion:
@@ -180,11 +180,10 @@ PageText page_text(const Page& page, const Instructions& instructions, bool subj
 }
 
 PageText unknown_question(const Page& page) {
-    return {
-        "Please call the experimenter",
-        fmt::format("Question {} is of another page set than this window's: start the window again with the "
-                    "session's page set ([instructions] pages).",
-                    page.trial)};
+    return {"Please call the experimenter",
+            fmt::format("Question {} is from other pages than this window's: start the window again with the "
+                        "session's pages ([instructions] pages).",
+                        page.trial)};
 }
 
 void draw_over_tissue(const Picture& picture) {
@@ -233,12 +232,12 @@ void draw_times(const FrameTimes& times) {
     const auto ms = [](const Histogram& h, double q) { return 1e3 * to_seconds(h.quantile(q)); };
     std::array<char, 160> line{};
     if (times.one_clock() && times.hand_to_swap.count() > 0) {
-        fmt::format_to_n(
-            line.data(), line.size() - 1,
-            "hand to picture {:.1f} ms (half of all; 99 %: {:.1f})   network {:.1f}   waiting {:.1f}   "
-            "drawing {:.1f}",
-            ms(times.hand_to_swap, 0.5), ms(times.hand_to_swap, 0.99), ms(times.slave_to_arrival, 0.5),
-            ms(times.arrival_to_frame, 0.5), ms(times.draw, 0.5));
+        fmt::format_to_n(line.data(), line.size() - 1,
+                         "hand to picture {:.1f} ms (median; 99 %: {:.1f})   network {:.1f}   waiting {:.1f} "
+                         "  drawing {:.1f}",
+                         ms(times.hand_to_swap, 0.5), ms(times.hand_to_swap, 0.99),
+                         ms(times.slave_to_arrival, 0.5), ms(times.arrival_to_frame, 0.5),
+                         ms(times.draw, 0.5));
     } else {
         fmt::format_to_n(line.data(), line.size() - 1, "waiting {:.1f} ms   drawing {:.1f} ms",
                          ms(times.arrival_to_frame, 0.5), ms(times.draw, 0.5));

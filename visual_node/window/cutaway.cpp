@@ -16,11 +16,11 @@ constexpr double kLeastForce_N = 0.3;  // smaller ones have no arrow
 constexpr Colour kGroundTop{24, 28, 36}, kGroundBottom{66, 74, 88};
 
 double total_N(const CutAway& cut) { return cut.force_tissue_N + cut.force_fixture_N; }
-// Deeper than its shaft is long, the needle would leave the picture and its hub the air.
+// Limits the depth to the needle's length: its hub must stay outside the tissue.
 double deepest_m(const Scene& scene) { return scene.position_surface_rest_m + kShaft_m; }
 double tip_m(const Scene& scene) { return std::min(scene.cut_away->position_needle_m, deepest_m(scene)); }
 
-// A visitor knows no newtons.
+// Force as a weight, which visitors understand better than newtons.
 std::string weight_text(double force_N) {
     constexpr double kGravity_m_per_s2 = 9.81;
     const double kg = std::abs(force_N) / kGravity_m_per_s2;

@@ -1,5 +1,6 @@
-// The cut-away view: tissue cut through along the needle, as players, films and the experimenter see it. Never a subject: it shows the
-// fixture and the inserted needle. Pure arithmetic from a Scene to triangles and labels. All sizes but the way along z are a drawing.
+// The cut-away view of players, videos and the experimenter: tissue cut along the needle. Not for subjects: it shows
+// the fixture and the inserted needle. Pure arithmetic from a Scene to triangles and labels. Only lengths along z are
+// to scale.
 #pragma once
 
 #include <string>
@@ -8,11 +9,10 @@
 #include "visual_node/display.hpp"
 #include "visual_node/window/mesh.hpp"
 #include "visual_node/window/picture.hpp"
-#include "visual_node/window/rect.hpp"
 
 namespace thimble {
 
-// Where things stand, in pixels of the framebuffer.
+// Layout in pixels of the framebuffer.
 struct CutawayPlan {
     Rect area;
     double unit = 1;    // of sizes that do not follow z: 1 in an area of 600 pixels' height

@@ -68,8 +68,8 @@ class FramePace {
     static constexpr int kFirstFrames = 10;  // drivers make themselves ready in them: nothing to learn
     static constexpr int kQuiet = 600;       // frames without a missed refresh, before less time is tried
     static constexpr int kSlack = 50;        // a monitor may be faster than it says by this part
-    // Frames that take longer than they are given, and miss nothing: there is no refresh, and the time they are given is
-    // what keeps the rate. A monitor slower than it says by 0.1 ms a frame does not look like that yet.
+    // Frames that take longer than planned but miss no refresh: without vsync the planned time sets the rate. A
+    // monitor that is slower by 0.1 ms per frame stays below this limit.
     static constexpr Duration kOver = std::chrono::microseconds{100};
     static constexpr int kOverPart = 8;
 

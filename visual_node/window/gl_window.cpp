@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <dlfcn.h>
 
 #include "common/error.hpp"
+#include "common/own_program.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "visual_node/window/gl_window.hpp"
 
@@ -22,20 +22,19 @@ namespace {
 std::string glfw_reason() {
     const char* words = nullptr;
     glfwGetError(&words);
-    return words == nullptr ? "no reason given" : words;
+    return words == nullptr ? "no reason is known" : words;
 }
 
 void start_glfw() {
-    if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) {
-        throw Error(
-            ExitCode::kUsage,
-            "no screen: DISPLAY and WAYLAND_DISPLAY are not set; start this in a desktop session, through "
-            "'ssh -X', or under 'xvfb-run -a', or set [visual] display = \"recording\"");
+    if (environment_text("DISPLAY").empty() && environment_text("WAYLAND_DISPLAY").empty()) {
+        throw Error(ExitCode::kUsage,
+                    "no screen: DISPLAY and WAYLAND_DISPLAY are not set; start this in a desktop session, "
+                    "with 'ssh -X', or under 'xvfb-run -a', or set [visual] display = \"recording\"");
     }
     if (glfwInit() == GLFW_TRUE) return;
     throw Error(ExitCode::kUsage,
-                "no screen: {}; is the display that DISPLAY names running, and may this user draw on it? "
-                "[visual] display = \"recording\" needs none",
+                "no screen: {}; does the display in DISPLAY exist, and may this user draw on it? [visual] "
+                "display = \"recording\" needs no screen",
                 glfw_reason());
 }
 
@@ -65,7 +64,7 @@ GLFWwindow* open_window(const WindowSettings& settings) {
     GLFWwindow* const window = glfwCreateWindow(width, height, settings.title.c_str(), monitor, nullptr);
     if (window != nullptr) return window;
     throw Error(ExitCode::kUsage,
-                "no window with OpenGL 3.3: {}; install a driver (Debian's libgl1-mesa-dri draws in "
+                "no window with OpenGL 3.3: {}; install a driver (libgl1-mesa-dri in Debian draws in "
                 "software) or set [visual] display = \"recording\"",
                 glfw_reason());
 }

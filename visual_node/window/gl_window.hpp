@@ -71,7 +71,7 @@ class GlWindow : boost::noncopyable {
     bool should_close() const;
     // As a click on the close button does.
     void ask_to_close();
-    // A request to close it is not obeyed.
+    // Ignores a request to close the window.
     void stay_open();
     // The connection to the screen broke: nothing can be drawn any more. Every call is then harmless and does nothing.
     bool lost() const;

@@ -146,7 +146,7 @@ void check_drawable(const std::string& instructions) {
     const std::string missing = undrawable(instructions);
     if (missing.empty()) return;
     throw Error(ExitCode::kUsage,
-                "the window's font cannot draw what [instructions] holds: {}. Write it without", missing);
+                "the window's font has no characters for these in [instructions]: {}. Use others", missing);
 }
 
 }  // namespace thimble

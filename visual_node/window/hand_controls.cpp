@@ -30,7 +30,7 @@ bool HandControls::read(SessionTime now) {
     return taken;
 }
 
-// A tap moves it a little, a key that is held faster and faster.
+// A tap moves the hand a little; a held key moves it faster and faster.
 void HandControls::push_by_arrows(SessionTime now) {
     if (arrow_ == 0) return;
     constexpr double kFirst = 0.2, kMore_per_s = 1.6;

@@ -11,6 +11,13 @@
 
 namespace thimble {
 
+// A part of a window: pixels of the framebuffer, from its top left corner.
+struct Rect {
+    double x = 0, y = 0, width = 0, height = 0;
+    double right() const { return x + width; }
+    double bottom() const { return y + height; }
+};
+
 struct Ink {
     float r = 0, g = 0, b = 0, a = 1;  // 0 to 1, sRGB
 };

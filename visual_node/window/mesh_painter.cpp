@@ -1,6 +1,6 @@
-#include "visual_node/window/mesh_painter.hpp"
-
 #include <cstddef>
+
+#include "visual_node/window/painter.hpp"
 
 namespace thimble {
 namespace {

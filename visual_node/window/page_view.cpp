@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "visual_node/window/question_panel.hpp"
 #include "visual_node/window/window_display.hpp"
 // clang-format off
 #define GLFW_INCLUDE_NONE

@@ -1,6 +1,7 @@
 // The page between two trials, and the answer to the question on it: what is shown, and what a subject's keys do there.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "visual_node/page_set.hpp"
@@ -40,5 +41,15 @@ class PageView {
     Page page_;
     QuestionForm form_;
 };
+
+// A window shows questions and their answers beside the scene, and the beep as a bright frame. Between GuiLayer::begin() and end().
+
+// Over a scene so wide. The mouse chooses in `form`. True: OK was clicked.
+bool draw_question(const GuiLayer& gui, const ShownQuestion& question, QuestionForm& form,
+                   const std::string& how, double scene_width);
+
+// How long the frame of a beep is seen.
+inline constexpr Duration kBeepSeen = std::chrono::milliseconds{600};
+void draw_beep(double scene_width);
 
 }  // namespace thimble

@@ -3,8 +3,6 @@
 #include <array>
 #include <vector>
 
-#include "visual_node/window/shader.hpp"
-
 namespace thimble {
 namespace {
 

@@ -58,7 +58,7 @@ Picture picture_of(const Scene& scene, const PictureSize& size) {
     const double surface_y = y_of(scene.position_surface_m);
     picture.dimple_depth = surface_y - picture.surface_y;
     picture.dimple_radius = kDimple_m * per_m;
-    // A Scene is clipped already. Twice, because nothing is worse here than to show more.
+    // Clipped again, although a Scene is clipped already: a subject must never see the inserted needle.
     picture.needle_tip_y = std::min(y_of(scene.position_needle_m), surface_y);
     picture.block_half_width = std::min(kBlockHalfWidth_m * per_m, size.width / 2.0 - kMargin_px / 2);
     picture.block_half_depth = kBlockHalfDepth_m * per_m;

@@ -69,7 +69,7 @@ class Playout {
     Duration age(SessionTime now) const { return now - shown_arrival_; }
 
   private:
-    // A delay that was once less says nothing about the network of now.
+    // Forgets old minima of the delay: the network may have changed.
     void learn_delay(const Scene& scene) {
         const Duration took = scene.sample_time - scene.hand_time;
         if (scenes_.empty() || scene.hand_time - span_began_ >= kRemembered) {

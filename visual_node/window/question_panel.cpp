@@ -1,9 +1,9 @@
-#include "visual_node/window/question_panel.hpp"
-
 #include <algorithm>
 #include <imgui.h>
 
 #include <fmt/format.h>
+
+#include "visual_node/window/page_view.hpp"
 
 namespace thimble {
 namespace {
@@ -111,7 +111,8 @@ void draw_text(const std::string& text) {
     ImGui::Dummy({0, 0.6F * ImGui::GetFontSize()});
 }
 
-// Where text and answers have just ended: OK waits until that is on the screen. Until then an arrow says that there is more.
+// Marks the end of text and answers. OK is disabled until it was on the screen; until then an arrow shows that more
+// follows.
 void note_end(QuestionForm& form) {
     const float font = ImGui::GetFontSize(), bottom = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
     if (ImGui::GetCursorScreenPos().y <= bottom) return form.read_to_end();

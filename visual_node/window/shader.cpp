@@ -1,8 +1,7 @@
-#include "visual_node/window/shader.hpp"
-
 #include <array>
 
 #include "common/error.hpp"
+#include "visual_node/window/painter.hpp"
 
 namespace thimble {
 namespace {
@@ -17,10 +16,10 @@ void require(GLint good, GLuint object, const char* name, Log log) {
     if (good == GL_TRUE) return;
     std::array<char, 1024> words{};
     log(object, words.size(), nullptr, words.data());
-    throw Error(ExitCode::kRunFailed,
-                "OpenGL refuses the shader '{}': {}; another driver may take it (LIBGL_ALWAYS_SOFTWARE=1 "
-                "draws in software)",
-                name, words.data());
+    throw Error(
+        ExitCode::kRunFailed,
+        "OpenGL rejects the shader '{}': {}; try another driver (LIBGL_ALWAYS_SOFTWARE=1 draws in software)",
+        name, words.data());
 }
 
 void attach(GLuint program, GLenum kind, const char* name, const char* source) {

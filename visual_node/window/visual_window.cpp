@@ -39,7 +39,7 @@ bool shows_beep(const VisualSettings& settings, const Beeper* beeper) {
            (settings.beep_shown == BeepShown::kWithoutSound && !sound);
 }
 
-// A subject has devices on the fingers.
+// Subjects wear fingertip devices, so only others get vibration.
 std::optional<Vibration> make_vibration(const VisualSettings& settings, bool player) {
     if (!player || !settings.vibration) return std::nullopt;
     return std::optional<Vibration>(std::in_place, settings.vibration_device);
@@ -69,9 +69,10 @@ class WindowVisual final : public NodeInstance {
     bool has_foreground() const override { return true; }
     void foreground(const std::function<bool()>& stopped) override {
         if (loop_.run(stopped) != WindowEnd::kScreenLost || !subject_points_) return;
-        // A subject without eyes and hand only waits for the trial's timeout: let the session know.
+        // Ends the node: without a window a subject could only wait for the timeout. The session then knows.
         static_cast<void>(std::raise(SIGTERM));
-        throw Error(ExitCode::kRunFailed, "the subject's screen is gone, and with it the pointer");
+        throw Error(ExitCode::kRunFailed,
+                    "the subject's window has lost its screen, so the mouse is lost too");
     }
 
   private:

@@ -49,7 +49,7 @@ class WindowDisplay final : public Display {
         offer_page();
     }
 
-    // A full ring has sixty-four of them waiting for a window that hangs: one more says nothing new.
+    // A full ring holds 64 beeps for a window that hangs: one more may be lost.
     void beep(SessionTime now) override { static_cast<void>(beeps_.push(now)); }
     bool take_go_on() override { return go_on_.exchange(false); }
     std::optional<GivenAnswer> take_answer() override { return take_from(answers_); }

@@ -11,7 +11,7 @@
 #include "common/shared_values.hpp"
 #include "visual_node/window/captions.hpp"
 #include "visual_node/window/image.hpp"
-#include "visual_node/window/question_panel.hpp"
+#include "visual_node/window/page_view.hpp"
 // clang-format off
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -50,10 +50,10 @@ WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
     if (end_ == WindowEnd::kAsked && !screenshot_.empty()) save_screenshot(picture());
     if (end_ == WindowEnd::kScreenLost) {
         spdlog::warn(parts_.stays_open
-                         ? "the window's screen is gone"
-                         : "the window's screen is gone: nothing is shown any more, the node goes on");
+                         ? "the window has lost its screen"
+                         : "the window has lost its screen and shows nothing more; the program continues");
     } else if (end_ == WindowEnd::kClosed) {
-        spdlog::warn("the window was closed: nothing is shown any more, the node goes on");
+        spdlog::warn("the window was closed and shows nothing more; the program continues");
     }
     if (end_ != WindowEnd::kAsked && parts_.overlay != nullptr) parts_.overlay->closing(wall_now());
     if (parts_.hand != nullptr) parts_.hand->let_go();
@@ -171,18 +171,18 @@ void WindowLoop::handle_key(const WindowEvent& event) {
 
 std::string WindowLoop::keys() const {
     std::string text =
-        "? or F1   this list\nF2        times from hand to picture\nF12       save the picture\n"
-        "Backspace EMERGENCY STOP: no force, until somebody releases it\n"
-        "          (where a number is asked for, it clears the number)\n";
+        "? or F1   this list\n"
+        "F2        times from hand to picture\n"
+        "F12       save the picture\n"
+        "Backspace EMERGENCY STOP: no force until the stop is released\n"
+        "          (in a number field it deletes the number)\n";
     if (parts_.hand != nullptr) {
-        text += parts_.keyboard ? "Down      hold it to push the needle in; Up draws it out\n"
-                                : "click     take the needle: move down to push it in\n";
-        text +=
-            "Esc       let go\n"
-            "gamepad   hold A, push the left stick down\n";
+        text += parts_.keyboard ? "Down      hold it to push the needle in; Up pulls it out\n"
+                                : "click     take the needle; then move down to push it in\n";
+        text += "Esc       release the needle\n";
         if (!parts_.stays_open) text += "F10       close the window and end\n";
     }
-    if (parts_.subject_goes_on) text += "space     go on, where a page waits for it\n";
+    if (parts_.subject_goes_on) text += "space     continue, where a page waits\n";
     return text;
 }
 
@@ -232,9 +232,9 @@ std::optional<Scene> WindowLoop::scene_at(SessionTime now) {
     return scene;
 }
 
-// The picture may be wrong by now, and nothing would show it.
+// Warns of old data: the picture alone does not show that it is old.
 void WindowLoop::draw_notices() const {
-    std::string text = stale_ ? "no news from the needle: the picture stands still" : notice_;
+    std::string text = stale_ ? "no message from the needle: the picture is old" : notice_;
     if (!painter_.cutaway()) return draw_notice(text, scene_width());
     if (text.empty() && page_.shown()) text = page_text().title;
     if (!text.empty()) draw_headline(text, *painter_.cutaway());
@@ -280,7 +280,7 @@ Image WindowLoop::picture() {
     return image;
 }
 
-// A picture that cannot be saved is no reason to stop a trial.
+// A failed screenshot must not stop a trial.
 void WindowLoop::save_screenshot(const Image& image) const {
     if (image.rgb.empty()) return;
     const std::filesystem::path path = screenshot_.empty() ? "thimble.png" : screenshot_;

@@ -1,4 +1,5 @@
-// The main thread's work beside the node's thread: events, frames, sound. It ends on request, when the user closes the window, or when the screen is gone. The node goes on in each case.
+// The main thread's work beside the node's thread: events, frames, sound. It ends on request, when the user closes
+// the window, or when the screen is gone. The node goes on in each case.
 #pragma once
 
 #include <filesystem>

@@ -11,12 +11,17 @@
 #include <spdlog/spdlog.h>
 
 #include "common/hid/hid_connection.hpp"
-#include "common/runtime/hid/hidapi_bus.hpp"
+#include "common/hid/hid_link.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
+
+// HID devices by hidapi over hidraw: the HID drivers of Linux stay in place.
+
+// Throws Error (usage) in a build without hidapi (THIMBLE_DEVICES=OFF).
+std::unique_ptr<HidBus> make_hidapi_bus();
 
 class HidThread : boost::noncopyable {
   public:

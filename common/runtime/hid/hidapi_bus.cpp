@@ -1,6 +1,5 @@
-#include "common/runtime/hid/hidapi_bus.hpp"
-
 #include "common/error.hpp"
+#include "common/runtime/hid/hid_thread.hpp"
 
 #ifdef THIMBLE_DEVICES
 #include <filesystem>
@@ -42,7 +41,7 @@ class HidapiBus final : public HidBus {
   public:
     HidapiBus() {
         if (hid_init() != 0)
-            throw Error(ExitCode::kRunFailed, "hidapi cannot be used: is udev's library there?");
+            throw Error(ExitCode::kRunFailed, "hidapi does not work: is the udev library installed?");
     }
     ~HidapiBus() override { hid_exit(); }
 
@@ -79,9 +78,9 @@ std::unique_ptr<HidBus> make_hidapi_bus() { return std::make_unique<HidapiBus>()
 #else
 
 std::unique_ptr<HidBus> make_hidapi_bus() {
-    throw Error(
-        ExitCode::kUsage,
-        "this build knows no HID devices: configure it with -DTHIMBLE_DEVICES=ON, or choose another device");
+    throw Error(ExitCode::kUsage,
+                "this build has no support for HID devices: configure it with -DTHIMBLE_DEVICES=ON, or "
+                "choose another device");
 }
 
 #endif

@@ -71,9 +71,9 @@ void LogFile::give_back(const std::function<void(Bytes)>& use) {
             if (got < 0 && errno == EINTR) continue;
             if (got <= 0) {
                 throw Error(ExitCode::kRunFailed,
-                            "the log '{}' has no index: it cannot be read back ({}); 'thimble log repair' "
-                            "makes another",
-                            short_path(path_), got == 0 ? "it is shorter than it was" : std::strerror(errno));
+                            "the log '{}' has no index, because it cannot be read back ({}); 'thimble log "
+                            "repair' makes one",
+                            short_path(path_), got == 0 ? "it has become shorter" : std::strerror(errno));
             }
             done += static_cast<std::size_t>(got);
         }
@@ -94,8 +94,8 @@ void LogFile::write(Bytes bytes) {
             static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(size_)) == 0);
             lseek(descriptor_, static_cast<off_t>(size_), SEEK_SET);
             throw Error(ExitCode::kRunFailed,
-                        "the log '{}' cannot be written: {}; make room there or write elsewhere, and start "
-                        "anew. What it holds can be read",
+                        "the log '{}' cannot be written: {}; free disk space or name another folder, and "
+                        "start again. Its earlier messages can still be read",
                         short_path(path_), std::strerror(error));
         }
     }

@@ -1,6 +1,5 @@
 #include "common/runtime/log/message_log.hpp"
 
-#include <fstream>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -22,17 +21,12 @@ namespace {
 
 // Four seconds of all a node's messages: longer than a disk delays the writer.
 constexpr std::size_t kQueueBytes = std::size_t{4} << 20;
-// A chunk is not to grow while the disk keeps us waiting.
+// Limits a chunk while the disk is slow.
 constexpr std::size_t kMostChunkBytes = std::size_t{1} << 18;
 // A lasting overflow is reported at most once a second.
 constexpr unsigned kTurnsPerTelling = 25;
 // In lock-step, where chunks must not depend on the wall clock. It is about a second of a session.
 constexpr unsigned kGrantsPerFlush = 2000;
-
-std::string read_whole(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return read_to_end(in, path);
-}
 
 Bytes bytes_of(const std::string& text) {
     return {static_cast<const std::uint8_t*>(static_cast<const void*>(text.data())), text.size()};
@@ -47,7 +41,7 @@ bool wait_for(int descriptor, Duration limit) {
 McapMap origin_notes(const LogOrigin& origin, const LogSettings& settings) {
     const ClockPair clocks = read_clock_pair();
     std::string boot =
-        read_whole("/proc/sys/kernel/random/boot_id");  // equal: one machine, one monotonic clock
+        read_text_file("/proc/sys/kernel/random/boot_id");  // equal: one machine, one monotonic clock
     while (!boot.empty() && boot.back() == '\n') boot.pop_back();
     return {{"program", origin.program},
             {"version", kVersion},
@@ -111,7 +105,7 @@ void MessageLog::start(const std::filesystem::path& file, const LogOrigin& origi
     writer.add_metadata("thimble", origin_notes(origin, settings));
     const auto now_ns = static_cast<std::uint64_t>(to_nanoseconds(wall_now()));
     const auto attach = [&](const std::filesystem::path& path) {
-        const std::string text = read_whole(path);
+        const std::string text = read_text_file(path);
         writer.add_attachment({now_ns, path.filename().string(), "application/toml", bytes_of(text)});
     };
     if (!origin.config.empty()) attach(origin.config);
@@ -237,7 +231,7 @@ void MessageLog::fail(const std::string& words) {
     failed_.store(true, std::memory_order_release);
 }
 
-// Also after a failure: what was given back then may be room enough for the index.
+// Tried also after a failure: the space that was given back may be enough for the index.
 void MessageLog::end() {
     try {
         McapWriter& writer = writing_->writer;

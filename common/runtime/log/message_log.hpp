@@ -38,7 +38,8 @@ struct LogOrigin {
     std::vector<std::filesystem::path> files;  // attached with it
 };
 
-// In lock-step each trial has a file of its own, "thimble-master_50ms_trial02.mcap", because the session's clock begins anew with each. Empty: `file` is.
+// In lock-step each trial has a file of its own, "thimble-master_50ms_trial02.mcap", because the session's clock
+// begins anew with each. Empty: `file` is.
 std::filesystem::path log_path_of_trial(const std::filesystem::path& file, unsigned trial);
 
 class MessageLog final : public Recorder, boost::noncopyable {

@@ -1,8 +1,8 @@
 // Sends commands and receives reports, over and over, in the guardian's process (falcon_guardian.hpp). The answer to a command takes the
 // USB's next frame, about 1 ms, and the thread that reads the handle must not wait for it.
 //
-// A force that is not renewed ends: after kUnattendedTurns exchanges without a command the motors get zero. So the force ends too when the
-// master is killed or stopped. The device may also leave a command without an answer for 2 ms, or answer with garbage. Then commands
+// A force that is not renewed ends: after kUnattendedReads reads without a new command the motors get zero. So the force ends too when the
+// master is killed or stopped. The device may also leave a command without an answer for 5 ms, or answer with garbage. Then commands
 // without force follow until a report comes. The handle's side reads in the mailbox that a force was withheld, and only its later commands
 // give a force again. So none comes back that the guard before the handle has not allowed anew.
 //
@@ -28,7 +28,9 @@ inline std::uint8_t light_of(const FalconReport& report) {
 
 class FalconExchange : boost::noncopyable {
   public:
-    static constexpr int kUnattendedTurns = 20;
+    // A read takes a frame of the USB, 1 ms and seldom 2. A clock would also count the time in which this machine stood still.
+    static constexpr int kUnattendedReads = 20;
+    static constexpr int kReads = 5;  // the patience with one answer
 
     // Both outlive it.
     FalconExchange(FalconLink& link, FalconMailbox& mailbox) : link_(&link), mailbox_(&mailbox) {}
@@ -38,10 +40,10 @@ class FalconExchange : boost::noncopyable {
     // One command and what comes back. False once the link is lost.
     bool turn() {
         const FalconWord word = mailbox_->commanded();
-        unattended_ = word == carried_ ? unattended_ + 1 : 0;
+        unattended_ = word == carried_ ? unattended_ + reads_ : 0;
         carried_ = word;
         const bool withheld =
-            mailbox_->silent() || unattended_ > kUnattendedTurns || !mailbox_->is_informed(word);
+            mailbox_->silent() || unattended_ > kUnattendedReads || !mailbox_->is_informed(word);
         mailbox_->withhold(withheld);
         FalconCommand command{word.values, true, light_};
         if (withheld) command.motors = {};
@@ -56,13 +58,12 @@ class FalconExchange : boost::noncopyable {
     }
 
   private:
-    // A report may come in two packets, or behind one that is empty. Later work belongs to the next turn.
-    static constexpr int kReads = 2;
+    // Waits for two packets at most: a report may come in two, or after an empty one.
     static constexpr Duration kRead = std::chrono::milliseconds{1};
 
     std::optional<FalconReport> listen() {
         std::optional<FalconReport> report;
-        for (int i = 0; i < kReads && !report; ++i) {
+        for (reads_ = 0; reads_ < kReads && !report; ++reads_) {
             std::array<std::uint8_t, 64> bytes{};
             report = reader_.take(std::span(bytes).first(link_->read(bytes, kRead)));
         }
@@ -72,8 +73,8 @@ class FalconExchange : boost::noncopyable {
     FalconLink* link_;
     FalconMailbox* mailbox_;
     FalconReportReader reader_;
-    FalconWord carried_;  // command that the last turn sent
-    int unattended_ = 0;
+    FalconWord carried_;              // command that the last turn sent
+    int unattended_ = 0, reads_ = 1;  // since it came; of the last turn
     std::uint8_t light_ = kFalconRed;
 };
 

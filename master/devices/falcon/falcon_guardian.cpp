@@ -20,7 +20,7 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "master/devices/falcon/falcon_exchange.hpp"
-#include "master/devices/falcon/falcon_usb.hpp"
+#include "master/devices/falcon/falcon_link.hpp"
 
 namespace thimble {
 namespace {
@@ -29,7 +29,8 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr Duration kLook = milliseconds{10};
-// Longer than any turn: a write to the USB may take 100 ms. In looks, because a machine that stood still is no guardian that does.
+// Longer than any turn: a write to the USB may take 100 ms. Counted in looks, not in time: a machine that stood still
+// does not make the guardian late.
 constexpr int kLooksWithoutTurn = 25;
 // To take the force away: the kernel may still hold the device, or find it anew after a fault of the USB.
 constexpr Duration kTakeLimit = seconds{2}, kTakeAgain = milliseconds{50};
@@ -41,8 +42,8 @@ std::vector<std::string> words_for(const FalconSettings& settings, const Runtime
             std::to_string(runtime.realtime_scheduling ? runtime.priority : 0)};
 }
 
-// Empty once the Falcon has answered a command without force; else why it has not. A chip that refuses its settings still gets one: they
-// are mostly those it has.
+// Sends a command without force. Empty once the Falcon has answered it; else why it has not. A chip that refuses
+// settings still gets the command, because it mostly has them already.
 std::string try_to_take_force_away(const std::string& serial) {
     try {
         const ClaimedFalcon falcon = claim_falcon(serial);
@@ -65,12 +66,12 @@ std::string take_force_away(const std::string& serial) {
 
 void make_ready(FalconLink& link, const FalconSettings& settings) {
     if (!set_falcon_running(link))
-        throw Error(ExitCode::kRunFailed, "the Falcon's USB chip does not obey: " + link.last_error());
+        throw Error(ExitCode::kRunFailed, "the Falcon's USB chip does not respond: " + link.last_error());
     if (falcon_answers(link)) return;
     if (settings.firmware.empty()) {
         throw Error(ExitCode::kUsage,
-                    "the Falcon has no firmware, which it forgets without power: name Novint's file in "
-                    "[handle.falcon] firmware (docs/handles.md)");
+                    "the Falcon has lost its firmware, which it keeps only while it has power: name Novint's "
+                    "file in [handle.falcon] firmware (docs/handles.md)");
     }
     const auto image = read_falcon_firmware(settings.firmware, settings.firmware_sha256);
     spdlog::info("loading the Falcon's firmware, {} bytes", image.size());
@@ -104,7 +105,7 @@ void guard(FalconPage& page, const FalconSettings& settings, const RuntimeSettin
 
 FalconPageMemory::FalconPageMemory() : file_(memfd_create("falcon", MFD_CLOEXEC)), page_(nullptr) {
     if (file_.get() < 0 || ftruncate(file_.get(), sizeof(FalconPage)) != 0) {
-        throw Error(ExitCode::kRunFailed, "no memory to share with the Falcon's guardian: {}{}",
+        throw Error(ExitCode::kRunFailed, "no shared memory for the Falcon's guardian process: {}{}",
                     std::strerror(errno), descriptor_advice(errno));
     }
     page_ = new (map()) FalconPage;
@@ -123,7 +124,7 @@ void* FalconPageMemory::map() {
         mmap(nullptr, sizeof(FalconPage), PROT_READ | PROT_WRITE, MAP_SHARED, file_.get(), 0);
     if (!whole || memory == MAP_FAILED)
         throw Error(ExitCode::kUsage,
-                    "no master at standard input: thimble-master starts this process itself");
+                    "standard input is not a master: thimble-master starts this program itself");
     return memory;
 }
 
@@ -143,7 +144,7 @@ FalconGuardian::~FalconGuardian() {
 void FalconGuardian::await_ready() {
     const FalconPage& page = memory_.page();
     while (page.state.load(std::memory_order_acquire) == FalconPage::State::kPreparing) {
-        if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted while the Falcon is made ready");
+        if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted while the Falcon was starting");
         const auto ended = child_.poll();
         if (ended && page.state.load(std::memory_order_acquire) == FalconPage::State::kPreparing)
             throw Error(ExitCode::kRunFailed, "the Falcon's guardian ended with code {} before it was ready",
@@ -155,7 +156,7 @@ void FalconGuardian::await_ready() {
     serial_ = page.text.data();
 }
 
-// A guardian that stands still may be stopped for good, with a force at the device.
+// A guardian that stands still may never continue, with a force left at the device.
 void FalconGuardian::watch() {
     FalconMailbox& box = mailbox();
     std::uint32_t turns = box.turns();
@@ -174,9 +175,9 @@ void FalconGuardian::watch() {
         spdlog::error("{}; the motors have no force now", event);
     } else if (unplugged && falcon_is_absent()) {
         spdlog::warn(
-            "the Falcon is gone from the USB. If it still has power, it may keep a force: switch it off");
+            "the Falcon has left the USB. If it still has power, its motors may hold a force: switch it off");
     } else {
-        spdlog::critical("{}, and the motors may keep a force: switch the Falcon off ({})", event, failed);
+        spdlog::critical("{}, and the motors may hold a force: switch the Falcon off ({})", event, failed);
     }
 }
 
@@ -184,7 +185,7 @@ namespace {
 
 int guard_falcon(std::span<char* const> words) {
     if (words.size() != kWords)
-        throw Error(ExitCode::kUsage, "{} is no option: thimble-master starts this process itself",
+        throw Error(ExitCode::kUsage, "unknown option {}: thimble-master starts this program itself",
                     kFalconGuardian);
     FalconPageMemory memory(STDIN_FILENO);
     FalconSettings settings;

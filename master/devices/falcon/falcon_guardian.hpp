@@ -19,7 +19,7 @@
 #include "common/process/child.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "master/devices/falcon/falcon_mailbox.hpp"
-#include "master/devices/falcon/falcon_settings.hpp"
+#include "master/devices/handle_settings.hpp"
 
 namespace thimble {
 

@@ -12,7 +12,7 @@ namespace thimble {
 namespace {
 
 constexpr const char* kHome =
-    "pull the grip out as far as it goes, then push it in as far as it goes, until its light is green";
+    "pull the grip all the way out, then push it all the way in, until its light is green";
 
 }  // namespace
 
@@ -62,7 +62,7 @@ bool FalconHandle::take_report(SessionTime now) {
     if (now - heard_ > kStalledAfter)
         return fail(fmt::format("no report for {} ms: it has stopped", kStalledAfter.count() / 1'000'000));
     if (!latest.report.homed()) {
-        if (homed_) return fail("it has lost where its legs are (power or firmware)");
+        if (homed_) return fail("it no longer knows the position of its legs (power or firmware failed)");
         return false;
     }
     homed_ = true;

@@ -10,8 +10,8 @@
 
 #include "common/runtime/runtime_settings.hpp"
 #include "master/devices/falcon/falcon_mailbox.hpp"
-#include "master/devices/falcon/falcon_settings.hpp"
 #include "master/devices/handle.hpp"
+#include "master/devices/handle_settings.hpp"
 
 namespace thimble {
 

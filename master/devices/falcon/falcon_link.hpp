@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,7 +18,7 @@ class FalconLink : boost::noncopyable {
   public:
     virtual ~FalconLink() = default;
 
-    // A vendor's request to the chip, without data. False if it failed.
+    // A vendor's request to the chip, without data; a purge also drops what was read already. False if it failed.
     virtual bool control(std::uint8_t request, std::uint16_t value) = 0;
     virtual bool write(std::span<const std::uint8_t> bytes) = 0;
     // The bytes that have come, without the chip's own status bytes; waits at most `limit` for the first. Fewer than asked, or none, is no
@@ -44,5 +45,16 @@ void load_falcon_firmware(FalconLink& link, std::span<const std::uint8_t> image)
 
 // The file's bytes. Throws Error: usage, if it is missing or has another SHA-256 than was said; both are named.
 std::vector<std::uint8_t> read_falcon_firmware(const std::string& path, const std::string& sha256);
+
+struct ClaimedFalcon {
+    std::unique_ptr<FalconLink> link;  // releases the device when it goes
+    std::string serial;
+};
+
+// The Falcon with this serial number; empty: the only one. Throws Error (usage) with what is missing and what to do.
+ClaimedFalcon claim_falcon(const std::string& serial);
+
+// No Falcon is on the USB.
+bool falcon_is_absent();
 
 }  // namespace thimble

@@ -92,7 +92,7 @@ class FalconMailbox : boost::noncopyable {
   private:
     std::atomic<FalconWord> command_{}, report_{};
     std::atomic<std::uint32_t> turns_{0};
-    std::atomic<std::uint8_t> pressed_{0};  // since somebody asked
+    std::atomic<std::uint8_t> pressed_{0};  // since the last take_buttons()
     std::atomic<bool> any_{false}, silent_{false}, end_{false};
     std::atomic<bool> withheld_{false};
     std::atomic<std::uint8_t> withholdings_{0};

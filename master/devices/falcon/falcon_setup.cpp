@@ -28,6 +28,7 @@ constexpr int kGreetings = 100, kLoads = 3, kKnocks = 10;
 constexpr Duration kAnswer = milliseconds{20};
 
 constexpr std::array<std::uint8_t, 3> kGreeting{0x0a, 0x43, 0x0d};
+// A zero may come before it: with the chip's two status bytes a packet of 7 bytes instead of 6 (libnifalcon f7c727a).
 constexpr std::array<std::uint8_t, 4> kGreeted{0x0a, 0x44, 0x2c, 0x0d};
 constexpr std::array<std::uint8_t, 1> kBegin{0x41};
 
@@ -54,10 +55,16 @@ bool set_loading(FalconLink& link) {
            link.control(kModem, kDtrLow) && link.control(kModem, kDtrHigh);
 }
 
+// A purge drops the rest of an answer that was wrong: else it would begin the next one.
 bool greet(FalconLink& link) {
     for (int i = 0; i < kGreetings && !link.lost(); ++i) {
-        if (!link.write(kGreeting)) return false;
-        const auto answer = read_all(link, kGreeted.size());
+        if (!link.control(kReset, kPurgeReceived) || !link.write(kGreeting)) return false;
+        auto answer = read_all(link, kGreeted.size());
+        if (!answer.empty() && answer.front() == 0) {
+            answer.erase(answer.begin());
+            const auto last = read_all(link, 1);
+            answer.insert(answer.end(), last.begin(), last.end());
+        }
         if (std::equal(answer.begin(), answer.end(), kGreeted.begin(), kGreeted.end())) return true;
     }
     return false;
@@ -80,7 +87,7 @@ std::string try_to_load(FalconLink& link, std::span<const std::uint8_t> image) {
             return fmt::format("the echo of byte {} of {}", sent, image.size());
     }
     if (!set_falcon_running(link)) return "setting up its USB chip again";
-    return falcon_answers(link) ? "" : "the first report of what was loaded";
+    return falcon_answers(link) ? "" : "the first report of the loaded firmware";
 }
 
 std::string hexadecimal(std::span<const std::uint8_t> bytes) {
@@ -98,7 +105,8 @@ bool set_falcon_running(FalconLink& link) {
 bool falcon_answers(FalconLink& link) {
     FalconReportReader reader;
     for (int i = 0; i < kKnocks && !link.lost(); ++i) {
-        // A boot loader that waits for more echoes the command, which is a report too, but one that follows the lights.
+        // A boot loader echoes the command, which looks like a report. So the lights alternate: only an echo follows
+        // them.
         const FalconPacket command = encode(FalconCommand{{}, true, i % 2 == 0 ? kFalconRed : kFalconGreen});
         std::array<std::uint8_t, 64> bytes{};
         if (!link.write(command)) return false;
@@ -116,8 +124,8 @@ void load_falcon_firmware(FalconLink& link, std::span<const std::uint8_t> image)
         if (failed.empty()) return;
     }
     throw Error(ExitCode::kRunFailed,
-                "the Falcon's firmware could not be loaded: {} failed {} times ({}). Unplug the Falcon from "
-                "power and USB, plug both in again, no hub between; is the file a firmware for it?",
+                "cannot load the Falcon's firmware: {} failed {} times ({}). Unplug the Falcon from power "
+                "and USB, and plug both in again without a USB hub; is the file a Falcon firmware?",
                 failed, kLoads, link.last_error());
 }
 
@@ -132,8 +140,8 @@ std::vector<std::uint8_t> read_falcon_firmware(const std::string& path, const st
     crypto_hash_sha256(sum.data(), image.data(), image.size());
     if (hexadecimal(sum) != sha256) {
         throw Error(ExitCode::kUsage,
-                    "the Falcon's firmware '{}' is not the one that the session file means: its SHA-256 is "
-                    "{}, [handle.falcon] firmware_sha256 says {}",
+                    "the Falcon's firmware '{}' is not the expected one: its SHA-256 is {}, but "
+                    "[handle.falcon] firmware_sha256 is {}",
                     path, hexadecimal(sum), sha256);
     }
     return image;

@@ -1,5 +1,3 @@
-#include "master/devices/falcon/falcon_usb.hpp"
-
 #include <algorithm>
 #include <array>
 #include <libusb-1.0/libusb.h>
@@ -13,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "common/error.hpp"
+#include "master/devices/falcon/falcon_link.hpp"
 #include "master/devices/usb_presence.hpp"
 
 namespace thimble {
@@ -23,6 +22,7 @@ constexpr unsigned char kOut = 0x02, kIn = 0x81;
 constexpr int kUsbPacket = 64, kChipStatus = 2;
 constexpr unsigned kWriteLimit_ms = 100;
 constexpr std::uint8_t kVendorRequest = 0x40;  // to the device, no data
+constexpr std::uint8_t kResetChip = 0;         // which also purges what came
 
 // Every packet that comes begins with two bytes of the chip's own.
 class UsbFalconLink : public FalconLink {
@@ -30,6 +30,7 @@ class UsbFalconLink : public FalconLink {
     explicit UsbFalconLink(libusb_device_handle* handle) : handle_(handle) {}
 
     bool control(std::uint8_t request, std::uint16_t value) override {
+        if (request == kResetChip) kept_from_ = kept_count_;
         return note(libusb_control_transfer(handle_, kVendorRequest, request, value, 0, nullptr, 0,
                                             kWriteLimit_ms)) >= 0;
     }
@@ -98,7 +99,7 @@ class OpenedUsb : boost::noncopyable {
   public:
     explicit OpenedUsb(const std::string& wanted_serial) {
         if (libusb_init(&context_) != LIBUSB_SUCCESS)
-            throw Error(ExitCode::kUsage, "no USB on this machine (libusb)");
+            throw Error(ExitCode::kUsage, "USB does not work on this machine (libusb)");
         try {
             find(wanted_serial);
         } catch (...) {
@@ -122,11 +123,11 @@ class OpenedUsb : boost::noncopyable {
         if (serials.size() > 1 && wanted_serial.empty()) {
             throw Error(
                 ExitCode::kUsage,
-                "{} Falcons are connected, with the serial numbers {}: name one by [handle.falcon] serial",
+                "{} Falcons are connected, with the serial numbers {}: name one in [handle.falcon] serial",
                 serials.size(), fmt::join(serials, ", "));
         }
         if (handle_ == nullptr) {
-            throw Error(ExitCode::kUsage, "no Novint Falcon{} to be had{}: {}",
+            throw Error(ExitCode::kUsage, "found no Novint Falcon{}{}: {}",
                         wanted_serial.empty() ? "" : fmt::format(" with serial '{}'", wanted_serial),
                         serials.empty() ? "" : fmt::format(" (there are {})", fmt::join(serials, ", ")),
                         falcon_advice());

@@ -1,6 +1,5 @@
-// Force Dimension's library, opened while the program runs: nothing of the vendor is needed to build this, and nothing of it is
-// here. The prototypes are our own, after the public description of SDK 3.17 (C linkage; what is no default argument to dlsym:
-// the device's number is always given, -1 for the default one).
+// Force Dimension's library (vendor_library.hpp). The prototypes are our own, after the public description of SDK 3.17 (C linkage; what is
+// no default argument to dlsym: the device's number is always given, -1 for the default one).
 //
 // A call succeeds if it returns >= 0: 1 from dhdGetPosition is "too soon, the last value again" (kTimeGuard), 2 from dhdSetForce is
 // "applied as far as the motors can" (kMotorSaturated).
@@ -9,6 +8,8 @@
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "master/devices/vendor_library.hpp"
 
 namespace thimble {
 
@@ -58,20 +59,14 @@ class DhdLibrary {
     // under FDSDK and FORCEDIM_SDK, ~/.local/lib, /usr/local/lib, and then where the system looks. Throws Error (usage), which
     // names every place that was looked at, the missing link, or the missing function.
     explicit DhdLibrary(const std::string& file);
-    ~DhdLibrary();
-    DhdLibrary(DhdLibrary&& other) noexcept;
-    DhdLibrary& operator=(DhdLibrary&&) = delete;
 
     const DhdFunctions& call() const { return functions_; }
-    const std::string& file() const { return file_; }
+    const std::string& file() const { return library_.file(); }
     // "3.17.0.1234", or "of unknown version".
     std::string version() const;
 
   private:
-    void bind();
-
-    void* handle_ = nullptr;
-    std::string file_;
+    VendorLibrary library_;
     DhdFunctions functions_;
 };
 

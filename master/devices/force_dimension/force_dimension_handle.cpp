@@ -23,13 +23,13 @@ constexpr int kControllerTypes[] = {0, 60, 81,
 using StatusArray = std::array<int, kDhdStatusCount>;
 
 const char* force_off_cause(int cause) {
-    static constexpr std::array kCauses{"no cause given",
+    static constexpr std::array kCauses{"no cause is known",
                                         "its force button was pressed",
                                         "it was moved too fast",
-                                        "its watchdog: this program called too rarely",
+                                        "its watchdog fired: this program called too rarely",
                                         "by software",
                                         "USB was disconnected",
-                                        "its dead man's switch was let go"};
+                                        "its dead man's switch was released"};
     const auto index = static_cast<std::size_t>(cause);
     return index < kCauses.size() ? kCauses[index] : kCauses[0];
 }
@@ -40,7 +40,7 @@ std::string force_dimension_advice() {
 }
 
 constexpr const char* kOnceMore =
-    "put it right and start thimble-master again: no force comes back by itself";
+    "remove the cause and start thimble-master again: the force does not come back by itself";
 
 }  // namespace
 
@@ -69,7 +69,7 @@ ForceDimensionHandle::~ForceDimensionHandle() {
 std::string ForceDimensionHandle::last_error() const {
     const int code = dhd_.error_code();
     const char* text = dhd_.error_text(code);
-    return fmt::format("{} (error {})", text == nullptr ? "no words" : text, code);
+    return fmt::format("{} (error {})", text == nullptr ? "no message" : text, code);
 }
 
 int ForceDimensionHandle::serial_of(int id) const {
@@ -86,8 +86,8 @@ void ForceDimensionHandle::open(int wanted_serial) {
     }
     if (count > 1 && wanted_serial == 0) {
         throw Error(ExitCode::kUsage,
-                    "{} Force Dimension devices are connected: name one by [handle.force_dimension] serial "
-                    "(it stands on its base)",
+                    "{} Force Dimension devices are connected: name one in [handle.force_dimension] serial "
+                    "(printed on its base)",
                     count);
     }
     std::vector<std::string> others;
@@ -119,38 +119,39 @@ void ForceDimensionHandle::prepare() {
     for (const int unfit : kControllerTypes) {
         if (type != unfit) continue;
         throw Error(ExitCode::kUsage,
-                    "{} (type {}) is no handle for device = \"force-dimension\": a Falcon has a driver of "
-                    "its own here, and a bare controller has no arm",
+                    "{} (type {}) is not a handle for device = \"force-dimension\": use device = \"falcon\" "
+                    "for a Falcon; a controller alone has no arm",
                     name_, type);
     }
     if (settings_.stop_button >= 0 &&
         (dhd_.button == nullptr || dhd_.button(settings_.stop_button, id_) < 0)) {
-        throw Error(ExitCode::kUsage, "{} has no button {}, which [handle.force_dimension] stop_button names",
-                    name_, settings_.stop_button);
+        throw Error(ExitCode::kUsage,
+                    "[handle.force_dimension] stop_button names button {1}, which {0} does not have", name_,
+                    settings_.stop_button);
     }
     StatusArray status{};
     if (dhd_.status(status.data(), id_) < 0)
-        throw Error(ExitCode::kRunFailed, "{} does not say how it is: {}", name_, last_error());
+        throw Error(ExitCode::kRunFailed, "{} does not report its state: {}", name_, last_error());
     if (const std::string trouble = describe_status(status.data()); !trouble.empty())
         throw Error(ExitCode::kRunFailed, "{}: {}", name_, trouble);
     const auto demand = [&](int answer, const char* what) {
         if (answer >= 0) return;
-        throw Error(ExitCode::kRunFailed, "{} refuses {}: {}", name_, what, last_error());
+        throw Error(ExitCode::kRunFailed, "{} rejects {}: {}", name_, what, last_error());
     };
     const AxisSettings& axis = settings_.axis;
     const double lateral_N = axis.lateral == LateralHold::kVirtual ? axis.lateral_force_limit_N : 0;
-    demand(dhd_.set_max_force(force_limit_N_ + lateral_N, id_), "a limit of its force");
+    demand(dhd_.set_max_force(force_limit_N_ + lateral_N, id_), "a force limit");
     demand(dhd_.set_gravity_compensation(settings_.gravity_compensation ? 1 : 0, id_),
            "gravity compensation");
-    demand(dhd_.set_brakes(0, id_), "to release its brakes");
+    demand(dhd_.set_brakes(0, id_), "releasing its brakes");
     if (!settings_.watchdog) return;
     const bool set = dhd_.enable_expert_mode != nullptr && dhd_.set_watchdog != nullptr &&
                      dhd_.enable_expert_mode() >= 0 && dhd_.set_watchdog(kWatchdogTicks, id_) >= 0;
     if (dhd_.disable_expert_mode != nullptr) dhd_.disable_expert_mode();
     if (!set) {
         throw Error(ExitCode::kRunFailed,
-                    "{} has no watchdog that could be set ({}): with [handle.force_dimension] watchdog = "
-                    "false it keeps its last force if this program hangs",
+                    "cannot set a watchdog in {} ({}): with [handle.force_dimension] watchdog = false it "
+                    "keeps its last force if this program hangs",
                     name_, last_error());
     }
 }
@@ -160,10 +161,10 @@ std::string ForceDimensionHandle::describe_status(const int* status) const {
     if (status[kDhdPower] == 0) return "it has no power: switch it on";
     if (status[kDhdConnected] == 0) return "it is not connected: plug in its USB cable";
     if (status[kDhdReset] != 0)
-        return "it is not calibrated: hold the handle in its rest position until the light shows steadily, "
-               "or run the SDK's autoinit";
+        return "it is not calibrated: hold the handle in its rest position until the light is steady, or run "
+               "the SDK's autoinit";
     if (status[kDhdError] != 0)
-        return "its controller reports an error: switch it off and on, and look at the SDK's test program";
+        return "its controller reports an error: switch it off and on, and run the SDK's test program";
     if (forced_ && status[kDhdForce] == 0)
         return fmt::format("it has switched its motors off ({}): press its force button or let it rest",
                            force_off_cause(status[kDhdForceOffCause]));
@@ -195,7 +196,7 @@ bool ForceDimensionHandle::take_position(SessionTime now) {
     if (answer != kDhdTimeGuard || !heard_) fresh_ = now;
     heard_ = true;
     if (now - fresh_ > kStalledAfter) {
-        fail(fmt::format("no new position for {} ms: its clock stands still",
+        fail(fmt::format("no new position for {} ms: its clock has stopped",
                          kStalledAfter.count() / 1'000'000),
              "switch it off and on");
         return false;
@@ -269,7 +270,7 @@ void ForceDimensionHandle::fail_in(const char* function) {
     fail(fmt::format("{} failed: {}", function, last_error()), "is it still plugged in and switched on?");
 }
 
-// The first fault counts: what comes after it follows from it.
+// Keeps the first fault; later ones follow from it.
 void ForceDimensionHandle::fail(const std::string& what, const std::string& remedy) {
     if (!fault_.empty()) return;
     forced_ = false;

@@ -12,8 +12,8 @@
 #include "common/velocity_estimator.hpp"
 #include "master/devices/axis_constraint.hpp"
 #include "master/devices/force_dimension/dhd_library.hpp"
-#include "master/devices/force_dimension/force_dimension_settings.hpp"
 #include "master/devices/handle.hpp"
+#include "master/devices/handle_settings.hpp"
 
 namespace thimble {
 
@@ -23,7 +23,7 @@ class ForceDimensionHandle final : public Handle {
     // device counts as stalled.
     static constexpr Duration kHeldAfter = std::chrono::microseconds{1500};
     static constexpr Duration kStalledAfter = std::chrono::milliseconds{20};
-    // Often enough to see the shortest press of a button.
+    // Short enough to see the shortest press of a button.
     static constexpr Duration kLookAgain = std::chrono::milliseconds{5};
     static constexpr unsigned kReadsPerStatus = 2;  // motors off within two ticks
 
@@ -75,7 +75,7 @@ class ForceDimensionHandle final : public Handle {
     SessionTime fresh_{};   // newest position that was not the last one again
     SessionTime looked_{};  // at the button
     bool heard_ = false;
-    bool held_ = false;  // the position is too old to push for
+    bool held_ = false;  // no force: the position is too old
     unsigned reads_until_status_ = kReadsPerStatus;
     VelocityEstimator velocity_;
     std::uint64_t reads_ = 0, held_reads_ = 0, saturated_ = 0, compared_ = 0;

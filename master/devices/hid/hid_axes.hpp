@@ -55,7 +55,7 @@ class HidAxes {
     // At rest until the first report.
     const std::array<double, kHidAxes>& values() const { return values_; }
     bool has(std::size_t axis) const { return !layout_ || fields_[axis].bits > 0; }
-    // Buttons have the numbers that HID gives them: 1 to kHidButtons. As the newest report that speaks of it says.
+    // State of a button, 1 to kHidButtons as HID numbers them, from the newest report that contains it.
     bool pressed(unsigned button) const {
         return button >= 1 && button <= kHidButtons && ((buttons_ >> (button - 1)) & 1U) != 0;
     }
@@ -94,7 +94,7 @@ class HidAxes {
         return ReportVerdict::kTaken;
     }
 
-    // The range's middle is rest. A value outside its range is what the standard calls a null state: no news.
+    // Rest is the middle of the range. A value outside it is a null state of the standard: the axis keeps its value.
     ReportVerdict take_described(std::span<const std::uint8_t> report) {
         take_buttons(report);
         ReportVerdict verdict = ReportVerdict::kOther;
@@ -111,7 +111,7 @@ class HidAxes {
         return verdict;
     }
 
-    // A report that is too short says nothing of them.
+    // A report that is too short leaves the buttons unchanged.
     void take_buttons(std::span<const std::uint8_t> report) {
         for (const HidField& field : layout_->fields) {
             const bool button = field.usage_page == kButtonPage && field.application == stick_ &&

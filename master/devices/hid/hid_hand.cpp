@@ -18,13 +18,13 @@ bool is_hand(const HidDevice& device) {
     return is_stick({device.usage_page, device.usage}) && (!model || model->six_axes);
 }
 
-// Of the family, or what the settings name, and still no hand.
+// A device that is known or named in the settings, but has no axis for a hand.
 std::string unusable_among(const std::vector<HidDevice>& present, const HidChoice& choice) {
     for (const HidDevice& device : present) {
         const auto model = find_hid_model(device.vendor, device.product);
         const bool named = (choice.vendor != 0 || !choice.serial.empty()) && choice.matches(device);
         if ((named || (model && !model->six_axes)) && !is_hand(device))
-            return fmt::format("; {} is no SpaceMouse, joystick or gamepad", to_string(device));
+            return fmt::format("; {} is not a SpaceMouse, joystick or gamepad", to_string(device));
     }
     return "";
 }
@@ -34,17 +34,20 @@ std::string unusable_among(const std::vector<HidDevice>& present, const HidChoic
 HidHandSettings read_hid_hand_settings(const ConfigTable& table) {
     HidHandSettings settings;
     settings.device = read_hid_choice(table);
-    table.read("axis", settings.axis, kAxisNames, "The device's own axis that moves the hand.");
-    table.read("inverted", settings.inverted, "Positive is into the tissue; true: negative is.");
+    table.read("axis", settings.axis, kAxisNames, "Axis of the device that moves the hand.");
+    table.read("inverted", settings.inverted,
+               "false: positive values go into the tissue; true: negative values do.");
     table.read("stop_button", settings.stop_button, 0, kHidButtons,
-               "A button that is an emergency stop, by its HID number from 1; 0: none.");
+               "Button for the emergency stop, by its HID number from 1; 0: none.");
     table.read("control", settings.control, {"rate", "position"},
-               "Deflection is a speed, and at rest the hand stays; or a place, and at rest it is at 0.");
+               "rate: deflection is a speed, and the hand stays where it is at rest; position: deflection is "
+               "a position, with 0 at rest.");
     table.read("dead_zone_fraction", settings.dead_zone_fraction, 0, 0.9,
-               "Of full deflection; beyond it, deflection counts from 0.");
-    table.read("speed_hand_m_per_s", settings.speed_hand_m_per_s, 0.001, 1, "rate: at full deflection.");
+               "Dead zone, as a fraction of full deflection; smaller deflections count as 0.");
+    table.read("speed_hand_m_per_s", settings.speed_hand_m_per_s, 0.001, 1,
+               "rate: speed at full deflection.");
     table.read("travel_hand_m", settings.travel_hand_m, 0.001, 1,
-               "position: at full deflection; rate: the hand goes no further from 0.");
+               "position: position at full deflection; rate: farthest position from 0.");
     return settings;
 }
 
@@ -60,11 +63,12 @@ std::optional<std::size_t> HidHand::choose(const std::vector<HidDevice>& present
     if (found.size() == 1) return found.front();
     if (found.empty()) {
         trouble =
-            "no SpaceMouse, joystick or gamepad for the hand: plug one in, it is looked for each second" +
+            "no SpaceMouse, joystick or gamepad to move the needle: plug one in; thimble looks for it once a "
+            "second" +
             unusable_among(present, settings_.device);
     } else {
         trouble = fmt::format(
-            "two devices could be the hand, {} and {}: name one with [handle.hid] device_id or serial",
+            "two devices could move the needle, {} and {}: name one in [handle.hid] device_id or serial",
             to_string(present[found[0]]), to_string(present[found[1]]));
     }
     return std::nullopt;
@@ -77,14 +81,14 @@ bool HidHand::attach(const HidDevice& device, std::span<const std::uint8_t> desc
         const auto layout = parse_report_descriptor(descriptor);
         const auto described = layout ? HidAxes::described_by(*layout) : std::nullopt;
         if (!described || !described->has(settings_.axis)) {
-            trouble = fmt::format("{} has no axis {}: choose another with [handle.hid] axis",
-                                  to_string(device), kAxisNames[settings_.axis]);
+            trouble = fmt::format("{} has no axis {}: choose another in [handle.hid] axis", to_string(device),
+                                  kAxisNames[settings_.axis]);
             return false;
         }
         axes_ = *described;
     }
     if (settings_.stop_button != 0 && !axes_.has_button(settings_.stop_button)) {
-        trouble = fmt::format("{} has no button {}: choose another with [handle.hid] stop_button",
+        trouble = fmt::format("{} has no button {}: choose another in [handle.hid] stop_button",
                               to_string(device), settings_.stop_button);
         return false;
     }
@@ -131,7 +135,7 @@ void HidMapping::start(SessionTime now) {
     wanted_m_ = 0;
 }
 
-// From 0 at its edge to 1 at full deflection, without a jump.
+// Maps the deflection beyond the dead zone to 0 to 1, without a jump.
 double HidMapping::beyond_dead_zone(double deflection) const {
     const double size = std::fabs(deflection);
     if (size <= settings_.dead_zone_fraction) return 0;
@@ -141,7 +145,7 @@ double HidMapping::beyond_dead_zone(double deflection) const {
 
 HandInput HidMapping::hand(SessionTime now, std::optional<double> deflection, double position_hand_m,
                            double reach_m) {
-    // After a stall the way without steering is left out.
+    // After a stall the time without steering does not count.
     const double elapsed_s = to_seconds(std::clamp(now - reached_, Duration::zero(), kLongestPause));
     reached_ = now;
     if (!deflection) {

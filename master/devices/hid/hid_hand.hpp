@@ -5,8 +5,8 @@
 #include <atomic>
 
 #include "common/hid/hid_connection.hpp"
+#include "master/devices/handle_settings.hpp"
 #include "master/devices/hid/hid_axes.hpp"
-#include "master/devices/hid/hid_settings.hpp"
 #include "master/devices/pointer_handle.hpp"
 
 namespace thimble {
@@ -15,7 +15,8 @@ class HidHand final : public HidUser {
   public:
     explicit HidHand(const HidHandSettings& settings) : settings_(settings) {}
 
-    // Of the chosen axis, -1 to 1, positive into the tissue; none while no device is there. Any thread. A silent device does not move: SpaceMouses report changes only.
+    // Of the chosen axis, -1 to 1, positive into the tissue; none while no device is there. Any thread. A silent
+    // device does not move: SpaceMouses report changes only.
     std::optional<double> deflection() const;
     // The button that the settings name is down, or has been since the last call. The node's thread.
     bool take_stop() { return stop_pressed_.exchange(false) || stop_down_; }
@@ -35,7 +36,7 @@ class HidHand final : public HidUser {
     HidAxes axes_ = HidAxes::of_spacemouse();
     std::atomic<double> deflection_{kAbsent};
     std::atomic<bool> stop_down_{false};     // now
-    std::atomic<bool> stop_pressed_{false};  // since somebody asked
+    std::atomic<bool> stop_pressed_{false};  // since the last take_stop()
     std::atomic<std::uint64_t> bad_reports_{0}, attachments_{0};
 
     static constexpr double kAbsent = 2;  // no deflection
@@ -47,7 +48,8 @@ class HidMapping {
     explicit HidMapping(const HidHandSettings& settings) : settings_(settings) {}
 
     void start(SessionTime now);
-    // `reach`: how far from `position_hand_m` a request may be; one beyond it would only have to come back before it is felt.
+    // `reach`: the largest distance from `position_hand_m` of a request, m. A request beyond it would have to come
+    // back before it is felt.
     HandInput hand(SessionTime now, std::optional<double> deflection, double position_hand_m, double reach_m);
 
   private:

@@ -167,7 +167,7 @@ class DescriptorReader {
         return true;
     }
 
-    // Many devices write 255 in one byte: where no value is negative that is no -1.
+    // Many devices write a maximum of 255 in one byte. If no value is negative, this is not -1.
     std::int32_t maximum() const {
         if (globals_.minimum < 0 || globals_.maximum >= 0) return globals_.maximum;
         return static_cast<std::int32_t>(std::min<std::uint32_t>(globals_.unsigned_maximum, INT32_MAX));

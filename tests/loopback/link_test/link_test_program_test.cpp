@@ -1,4 +1,5 @@
-// Both sides of a link test as users start them. The test measures this machine under its present load, so it checks only order and wide bounds.
+// Both sides of a link test as users start them. The test measures this machine under its present load, so it checks
+// only order and wide bounds.
 #include <cmath>
 #include <csignal>
 
@@ -123,13 +124,13 @@ TEST_F(LinkTest, DelayLossAndASilentPortThroughTheRelay) {
     const Result result = test({"--base-port", base(), "--ports", "11,14", "--seconds", "2"});
     EXPECT_EQ(result.code, 3) << result.words;
     EXPECT_EQ(result.json["ports"][0]["answer"], "silent");
-    EXPECT_THAT(result.json["finding"], HasSubstr("lets only some through"));
+    EXPECT_THAT(result.json["finding"], HasSubstr("a firewall may block them"));
     const auto& port = result.json["ports"][1];
     ASSERT_EQ(port["answer"], "answers") << result.words;
     EXPECT_GE(port["round_trip_median_s"].get<double>(), 0.040);
     EXPECT_THAT(port["loss_there"].get<double>(), AllOf(testing::Gt(0.1), testing::Lt(0.35)));
     EXPECT_LT(port["loss_back"].get<double>(), 0.1);
-    // The clocks agree, though the middle of each exchange is 10 ms off; the bound says so.
+    // The clocks agree, although the middle of each exchange is 10 ms off. The bound covers that.
     const auto& clock = result.json["clock"];
     EXPECT_GT(clock["offset_s"].get<double>(), 0.008);
     EXPECT_LE(clock["offset_s"].get<double>(), clock["bound_s"].get<double>());
@@ -141,7 +142,7 @@ TEST_F(LinkTest, TheEchoEndsByItselfAndItsPortsAreItsOwn) {
     Child first = echo({"--base-port", base()}, "first");
     Child second = echo({"--base-port", base()}, "second");
     EXPECT_EQ(second.wait(kPatience), 3);
-    EXPECT_THAT(read_text(folder / "second"), HasSubstr("another program has that port"));
+    EXPECT_THAT(read_text(folder / "second"), HasSubstr("another program uses that port"));
     first.signal(SIGTERM);
     first.wait(kPatience);
     EXPECT_EQ(echo({"--base-port", base()}, "third", "0.2").wait(kPatience), 0);

@@ -171,6 +171,37 @@ TEST(PlotJuggler, LanesSideBySideHaveNames) {
     EXPECT_LT(conditions["0ms"]["last"]["network_delay_s"], conditions["2.5ms"]["last"]["network_delay_s"]);
 }
 
+// examples/lsl/lsl.py with a pylsl that prints its arguments.
+TEST(LabStreamingLayer, TheExampleMakesStreamsOfTheSameDatagrams) {
+    if (!has_python()) GTEST_SKIP() << "there is no python3 with its standard library (package python3)";
+    const Folder folder;
+    const PortBlock ports;
+    Child script("/bin/sh",
+                 {"-c", "PYTHONPATH='" THIMBLE_SOURCE_DIR
+                        "/tests/loopback/observe/fake_pylsl' exec python3 -B '" THIMBLE_SOURCE_DIR
+                        "/examples/lsl/lsl.py' " +
+                            std::to_string(ports.base())},
+                 folder / "words");
+    UdpChannel channel(std::nullopt, Endpoint{"127.0.0.1", ports.base()});
+    const auto says = [&](const std::string& values, const std::string& expected) {
+        const std::string one = fmt::format(R"({{"timestamp":1000.0,"thimble":{{{}}}}})", values);
+        const auto* bytes = reinterpret_cast<const std::uint8_t*>(one.data());
+        return wait_until([&] {
+            channel.send({bytes, one.size()});
+            return read_text(folder / "words").find(expected) != std::string::npos;
+        });
+    };
+    EXPECT_TRUE(says(R"("trial":1,"running":true,"force_total_N":-0.5,"position_needle_m":0.01)",
+                     R"x(["sample", "Thimble Force", [-0.5, NaN, NaN, NaN], 1000])x"));
+    EXPECT_TRUE(
+        says(R"("50ms":{"trial":2,"force_total_N":-0.25})", R"x("Thimble 50ms Force", [-0.25, NaN)x"));
+    const std::string words = read_text(folder / "words");
+    EXPECT_THAT(words, HasSubstr(R"x(["stream", "Thimble Position", "Position", 3, 0.0, "double64")x"));
+    const std::string event = R"x("Thimble Markers", ["{\"trial\": 1, \"running\": true}"], 1000])x";
+    EXPECT_THAT(words, HasSubstr(event));
+    EXPECT_EQ(words.find(event), words.rfind(event)) << "once, until something changes";
+}
+
 TEST(PlotJuggler, AnotherMachineIsRefusedByName) {
     const Folder folder;
     const auto session = folder.write("session.toml", SessionFile{}.text()).string();
@@ -178,13 +209,6 @@ TEST(PlotJuggler, AnotherMachineIsRefusedByName) {
         run_thimble({"run", session, "--out", (folder / "out").string(), "--plotjuggler", "192.0.2.1:9870"});
     EXPECT_EQ(refused.code, 2);
     EXPECT_THAT(refused.words, HasSubstr("--plotjuggler: '192.0.2.1' is not this machine alone"));
-}
-
-TEST(Observers, AreReadFromText) {
-    EXPECT_EQ(read_observer("9870", "--to").host, "127.0.0.1");
-    EXPECT_EQ(read_observer("lab:65535", "--to").port, 65535);
-    for (const char* wrong : {"", "lab", "lab:", ":1", "lab:65536", "lab:-1", "1 "})
-        EXPECT_THROW(read_observer(wrong, "--to"), Error) << wrong;
 }
 
 }  // namespace

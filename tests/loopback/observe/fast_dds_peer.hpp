@@ -13,8 +13,9 @@
 #include <optional>
 #include <ros2PubSubTypes.h>
 #include <string>
-#include <unistd.h>
 #include <vector>
+
+#include "tests/loopback/workbench.hpp"
 
 namespace thimble {
 
@@ -26,8 +27,15 @@ using HeardString = std_msgs::msg::dds_::String_PubSubType;
 using HeardTransforms = tf2_msgs::msg::dds_::TFMessage_PubSubType;
 using HeardClock = rosgraph_msgs::msg::dds_::Clock_PubSubType;
 
-// One that no other test beside this one has, with ports below those that Linux gives out by itself.
-inline unsigned own_domain() { return 1 + static_cast<unsigned>(getpid()) % 100; }
+// One that no other test beside this one has, which its last port guards. Its ports lie above those of PortBlock, and below those that
+// Linux gives out by itself.
+inline unsigned own_domain() {
+    constexpr unsigned kFirst = 88, kDomains = 13;
+    static const auto claimed = first_free(kDomains, [](unsigned i) {
+        return listen_at(7400 + 250 * (kFirst + i) + 249);  // DDSI-RTPS 2.5, 9.6.2
+    });
+    return kFirst + claimed.first;
+}
 
 enum class Asks { kSensorData, kTransforms, kLatched };
 

@@ -13,8 +13,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/security/lab_key_file.hpp"
-#include "common/security/secret.hpp"
 #include "tests/loopback/real_run.hpp"
 #include "tests/unit/log/written_log.hpp"
 
@@ -122,7 +120,7 @@ class IgtlProgram {
 
   private:
     static std::vector<std::string> listening(std::vector<std::string> arguments) {
-        arguments.insert(arguments.end(), {"--listen", "0", "--rate", "100"});
+        arguments.insert(arguments.end(), {"--listen", "0", "--rate-Hz", "100"});
         return arguments;
     }
     std::regex pattern_{"OpenIGTLink on 127.0.0.1:([0-9]+)"};
@@ -167,13 +165,11 @@ TEST(Igtl, ARecordedSessionIsReadByTheirLibrary) {
     EXPECT_EQ(client.heard.code, igtl::StatusMessage::STATUS_OK);
 }
 
-// Under a lab key, of which the view has to hold one as well.
+// Under a lab key, which the view needs too.
 TEST(Igtl, ARunningSessionIsReadByTheirLibrary) {
     const Folder folder;
-    const auto key = folder / "lab.key";
-    create_lab_key(key, system_random_bytes());
     SessionFile session = SessionFile::endless();
-    session.more = under_lab_key(key);
+    session.more = under_lab_key(folder / "lab.key");
     const auto config = folder.write("session.toml", session.text()).string();
     RealRun run(session, {"--monitor"});
     IgtlProgram program({config, "--base-port", std::to_string(run.base_port())});

@@ -46,6 +46,7 @@ class PlayedDevice {
             pose.pose().position().z(z_m);
             if (!silent) positions->write(&pose);
             if (talks_nonsense) {
+                for (int more = 0; more < 7; ++more) positions->write(&pose);
                 for (const double nonsense : {std::numeric_limits<double>::quiet_NaN(), z_m + 0.5, 1e9}) {
                     pose.pose().position().z(nonsense);
                     positions->write(&pose);
@@ -82,19 +83,47 @@ TEST(Ros2Handle, FeelsTheNeedleAndItsSilenceEndsTheTrialWithoutForce) {
     PlayedDevice device;
     RealRun run(on_ros2());
     insert(device, run);
+    FastDdsPeer late;
+    auto* const wrong_type = late.writer<HeardString>("/thimble/handle/measured_cp");
+    auto* const forces = late.reader<HeardWrench>("/thimble/handle/servo_cf");
+    HeardString::type text;
+    bool known = false;  // the other side has discovered it
     device.talks_nonsense = true;
     const unsigned before = device.forces;
-    EXPECT_TRUE(wait_until([&] { return device.forces > before + 200 || run.launcher().poll(); }));
+    EXPECT_TRUE(wait_until([&] {
+        wrong_type->write(&text);
+        known = known || take<HeardWrench>(forces);
+        return (known && device.forces > before + 400) || run.launcher().poll();
+    }));
     EXPECT_LT(device.force_N, -0.3) << "nonsense beside good positions changes nothing";
     device.talks_nonsense = false;
     device.silent = true;
     EXPECT_TRUE(wait_until([&] { return device.force_N == 0; }));
     expect_end(run, 1, EndReason::kDeviceFault,
-               "the ROS 2 driver at /thimble/handle/measured_cp has sent no position");
+               "the ROS 2 driver at /thimble/handle/measured_cp has sent no usable position");
     const auto counted = run.report("thimble-master").at("remote");
     EXPECT_GT(counted.at("positions"), 100);
     EXPECT_GT(counted.at("not_numbers"), 10);
     EXPECT_GT(counted.at("jumps"), 10);
+    EXPECT_GT(counted.at("floods"), 10);
+    EXPECT_THAT(counted.at("wrong_types").dump(),
+                HasSubstr("has type std_msgs/msg/String, not geometry_msgs/msg/Pose"));
+}
+
+TEST(Ros2Handle, ASecondDeviceEndsTheTrialWithoutForce) {
+    PlayedDevice device;
+    RealRun run(on_ros2());
+    insert(device, run);
+    FastDdsPeer second;
+    auto* const positions = second.writer<HeardPose>("/thimble/handle/measured_cp");
+    HeardPose::type pose;
+    EXPECT_TRUE(wait_until([&] {
+        positions->write(&pose);
+        return run.launcher().poll().has_value();
+    }));
+    EXPECT_EQ(device.force_N, 0);
+    expect_end(run, 1, EndReason::kDeviceFault,
+               "a second program sends positions beside the ROS 2 driver at /thimble/handle/measured_cp");
 }
 
 TEST(Ros2Handle, AnEmergencyStopTakesItsForce) {
@@ -124,7 +153,7 @@ TEST(Ros2Handle, RefusesToStartBesideAnotherMaster) {
     });
     unsetenv("ROS_DOMAIN_ID");
     EXPECT_EQ(master.poll(), 2);
-    EXPECT_THAT(read_text(folder / "words"), HasSubstr("another program sends forces on /thimble/handle/se"));
+    EXPECT_THAT(read_text(folder / "words"), HasSubstr("another program sends on /thimble/handle/se"));
 }
 
 TEST(Ros2Handle, SaysWhichProgramAndWhichInterface) {
@@ -136,7 +165,7 @@ TEST(Ros2Handle, SaysWhichProgramAndWhichInterface) {
     EXPECT_THAT(without.words, HasSubstr("thimble-ros2-master"));
     const auto units = run_to_end(program / "thimble", {"run", session, "--print", "systemd"});
     EXPECT_EQ(units.code, 2);
-    EXPECT_THAT(units.words, HasSubstr("no unit for its master, thimble-ros2-master"));
+    EXPECT_THAT(units.words, HasSubstr("no unit for thimble-ros2-master"));
     std::filesystem::copy(program / "thimble", folder / "thimble");
     const auto alone = run_to_end(folder / "thimble", {"check", session});
     EXPECT_EQ(alone.code, 2);

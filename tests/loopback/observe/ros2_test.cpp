@@ -5,8 +5,6 @@
 #include "common/flow.hpp"
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "common/security/lab_key_file.hpp"
-#include "common/security/secret.hpp"
 #include "tests/loopback/observe/fast_dds_peer.hpp"
 #include "tests/loopback/real_run.hpp"
 
@@ -161,10 +159,8 @@ void expect_heard(const SessionFile& session, const std::vector<std::string>& cl
 // Under a lab key, which the observer reads too.
 TEST(Ros2, AnotherDdsHearsARunningSession) {
     const Folder folder;
-    const auto key = folder / "lab.key";
-    create_lab_key(key, system_random_bytes());
     SessionFile session = SessionFile::endless();
-    session.more = under_lab_key(key);
+    session.more = under_lab_key(folder / "lab.key");
     expect_heard(session, {"--monitor"});
 }
 
@@ -182,8 +178,8 @@ TEST(Ros2, HelpNamesTopicsAndTypesEvenWithABadDomain) {
     EXPECT_EQ(refused.code, 2);
     EXPECT_THAT(refused.words, HasSubstr("ROS_DOMAIN_ID is 'kitchen'"));
     EXPECT_EQ(help.code, 0);
-    for (const char* said :
-         {"/thimble/slave_sim/measured_cf", "geometry_msgs/msg/WrenchStamped", "/clock", "/tf_static"})
+    for (const char* said : {"/thimble/slave_sim/measured_cf", "geometry_msgs/msg/WrenchStamped", "/clock",
+                             "/tf_static", "/thimble/slave/servo_cp", "/thimble/handle/servo_cf"})
         EXPECT_THAT(help.words, HasSubstr(said));
 }
 

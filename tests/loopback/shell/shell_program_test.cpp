@@ -31,10 +31,10 @@ TEST_F(ShellProgram, EndsWhereItsParentIgnoresChildren) {
 TEST_F(ShellProgram, FolderUserAndEnvironmentStay) {
     setenv("THIMBLE_TEST_WORD", "kept", 1);
     const ProgramResult result =
-        netem("shell", {"pwd; id -u; echo $THIMBLE_TEST_WORD; echo at $THIMBLE_HOST; cat /proc/net/dev"});
+        netem("shell", {"pwd; echo $(id -u) $THIMBLE_TEST_WORD at $THIMBLE_HOST; cat /proc/net/dev"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.output, HasSubstr("thimble-"));
-    EXPECT_THAT(result.output, HasSubstr("\n" + std::to_string(getuid()) + "\nkept\nat 10."));
+    EXPECT_THAT(result.output, HasSubstr(std::to_string(getuid()) + " kept at 10."));
     EXPECT_THAT(result.output, HasSubstr("link:"));
     EXPECT_THAT(result.output, Not(HasSubstr("eth")));
 }

@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 
-from mutant_list import ListError, path_of
+from mutant_list import ROOMS, ListError, path_of
 from switches import HEADER, with_switches
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -13,6 +13,11 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 OPTIONS = ("-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -w", "-DCMAKE_UNITY_BUILD=ON",
            "-DCMAKE_UNITY_BUILD_BATCH_SIZE=8", "-DTHIMBLE_BENCH=OFF", "-DTHIMBLE_MPI=OFF",
            "-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST")
+
+
+def sources(root=ROOT):
+    """Needs no git: a packed source has none."""
+    return [path.relative_to(root).as_posix() for room in ROOMS for path in sorted((root / room).rglob("*.[ch]pp"))]
 
 
 def tracked_files(root=ROOT):

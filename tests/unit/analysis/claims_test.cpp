@@ -96,7 +96,7 @@ TEST(Claims, TheEffectIsAsLargeAsThePapersWhereItsFIsAmongThoseOfSuchStudies) {
     }
 }
 
-// The size of an effect is not that of the study: everybody twice gives twice the F, and about the same interval.
+// The size of an effect is not that of the study: each subject twice gives twice the F, and about the same interval.
 TEST(Claims, TwiceThePeopleHaveAnEffectOfTheSameSize) {
     PaperRows small;
     small.add(1, 16, {0.001, 0.001057, 0.001107, 0.001136}, {11, 11, 11, 11});
@@ -153,7 +153,8 @@ TEST(Claims, TheSentenceCountsResultsAndSizesApart) {
         claims_sentence({claim("a", ClaimKind::kResult, true), claim("b", ClaimKind::kResult, false),
                          claim("c", ClaimKind::kSize, false), claim("d", ClaimKind::kByConstruction, true),
                          claim("e", ClaimKind::kRecount, true)}),
-        "1 of 2 judged results is reproduced; not: b; 0 of 1 judged sizes are reproduced; not: c");
+        "1 of 2 judged results is reproduced; not reproduced: b; 0 of 1 judged sizes are reproduced; not "
+        "reproduced: c");
 }
 
 // Significance in the wrong direction is no reproduction.
@@ -357,7 +358,7 @@ TEST(Claims, JsonIsAListOfObjects) {
     for (const auto& entry : json) {
         for (const char* key : {"id", "kind", "claim", "paper", "ours"})
             EXPECT_TRUE(entry.at(key).is_string());
-        // Neither the lag nor the participant sessions' length can be judged by this table.
+        // This table decides neither the lag nor the length of the participant sessions.
         const bool open = entry.at("id") == "D.delay45" || entry.at("id") == "S.length";
         EXPECT_EQ(entry.at("reproduced").is_null(), open) << entry.at("id");
         EXPECT_TRUE(entry.contains("direction"));

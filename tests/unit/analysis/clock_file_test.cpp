@@ -58,7 +58,7 @@ TEST_F(ClockFileTest, WhatCannotBeIsRefusedWithItsPlace) {
     EXPECT_EQ(complaint("master,1,2,2,3,0,1\n"), "");
     EXPECT_THAT(complaint("butler,1,2,2,3,0,1\n"), HasSubstr("no node"));
     EXPECT_THAT(complaint("master,1,2,2,-3,0,1\n"), HasSubstr("answered_ns"));
-    EXPECT_THAT(complaint("master,1,2,2,0,0,1\n"), HasSubstr("no two clocks"));
+    EXPECT_THAT(complaint("master,1,2,2,0,0,1\n"), HasSubstr("impossible for any two clocks"));
     EXPECT_NE(complaint("master,1,2,2,3,0,1"), "");  // cut off
 }
 

@@ -88,7 +88,7 @@ TEST(Findings, WordsFollowTheDirectionWithTheIntervalTurned) {
     for (const ConditionPair* c : {&deeper, &shallower}) EXPECT_THAT(interval_text(*c), Not(HasSubstr("-")));
 }
 
-// The words never say "not told apart" beside an interval without zero, nor the other way round.
+// The words never say "No difference was found" beside an interval without zero, nor the other way round.
 TEST(Findings, WordsAndIntervalsAgree) {
     std::size_t apart = 0, alike = 0;
     for (const double step : {0.0, 2e-5, 5e-5, 1e-4, 1e-3}) {
@@ -99,7 +99,7 @@ TEST(Findings, WordsAndIntervalsAgree) {
                 if (one["P"].is_null()) continue;
                 const bool excludes = one["interval"][0] > 0 || one["interval"][1] < 0;
                 const std::string words = one["words"].get<std::string>();
-                EXPECT_EQ(words.find("not told apart") == std::string::npos, excludes) << one.dump();
+                EXPECT_EQ(words.find("No difference was found") == std::string::npos, excludes) << one.dump();
                 EXPECT_EQ(one["P"] < kFindingLevel, excludes) << one.dump();
                 (excludes ? apart : alike) += 1;
             }
@@ -117,7 +117,7 @@ TEST(Findings, TooFewSubjectsAreSaidToBeTooFew) {
         EXPECT_TRUE(pair["P"].is_null() && pair["interval"].is_null());
         EXPECT_TRUE(pair["difference"].is_number());
         EXPECT_THAT(pair["words"].get<std::string>(),
-                    AllOf(StartsWith("Nothing can be said about HF and CF"),
+                    AllOf(StartsWith("HF and CF cannot be compared"),
                           HasSubstr("at least 8 subjects are needed, with 6 pairs compared at once")));
         const auto sentences = answer(groups);
         ASSERT_EQ(sentences.size(), 3U);
@@ -145,7 +145,7 @@ TEST(Findings, OneModalityHasNothingToCompare) {
     EXPECT_THAT(answer(groups),
                 ElementsAre("At 50 ms HF oscillates in 3 of 3 trials (95 % interval 44 to 100 %).",
                             StartsWith("No two modalities can be compared"),
-                            "Nothing here speaks of other hands, tissues or delays."));
+                            "The results do not tell about other hands, tissues or delays."));
     EXPECT_EQ(finding_tables(groups).size(), 1U);
 }
 
@@ -191,9 +191,10 @@ TEST(Findings, RemovalsAreIndependentTrials) {
     EXPECT_TRUE(pair.apart());
     const auto removed = StudyColumns(rows(8, 2), 2).groups(Metric::kPeakDisplacement);
     EXPECT_EQ(pair.shift->p, rank_sum(removed[0], removed[1], 6).p);
-    EXPECT_THAT(answer(findings_of(rows(4, 2)))[2],
-                StartsWith("8 trials of two modalities are too few to say how they differ, which takes at "
-                           "least 5 trials of each"));
+    EXPECT_THAT(
+        answer(findings_of(rows(4, 2)))[2],
+        StartsWith("8 trials of two modalities are too few for a test, which needs at least 5 trials of "
+                   "each"));
 }
 
 TEST(Findings, ASubjectWithoutBothIsLeftOutOfThatPairOnly) {
@@ -215,18 +216,20 @@ TEST(Findings, AnswersNamePairsThatAreNotToldApart) {
     const auto sentences = answer(findings_of(rows(10, 3, {0.001, 0.004, 0.004, 0.004})));
     EXPECT_THAT(sentences[1], AllOf(HasSubstr("in maximum penetration (95 % interval "),
                                     HasSubstr("the largest of 3 differences among 6 pairs")));
-    EXPECT_THAT(sentences[2], AllOf(StartsWith("Not told apart, which does not make them equal"),
-                                    HasSubstr("maximum penetration CF - CCF (-")));
+    EXPECT_THAT(
+        sentences[2],
+        AllOf(StartsWith("No difference was found in these pairs, which does not mean that they are equal"),
+              HasSubstr("maximum penetration CF - CCF (-")));
 }
 
 // Too many to name are counted.
 TEST(Findings, ManyPairsThatAreNotToldApartAreCounted) {
     const auto sentences = answer(findings_of(rows(10, 3, {0.004, 0.004, 0.004, 0.004})));
-    EXPECT_EQ(sentences[1], "No two modalities are told apart in any measure.");
-    EXPECT_EQ(sentences[2],
-              "Not told apart, which does not make them equal: at 50 ms 6 of 6 pairs in maximum penetration "
-              "and 6 of "
-              "6 pairs in completion time (the tables have the intervals).");
+    EXPECT_EQ(sentences[1], "No difference between two modalities was found in any measure.");
+    EXPECT_EQ(
+        sentences[2],
+        "No difference was found in these pairs, which does not mean that they are equal: at 50 ms 6 of 6 "
+        "pairs in maximum penetration and 6 of 6 pairs in completion time (the tables show the intervals).");
 }
 
 // The control without delay is in the table; the answer is about the delay.

@@ -1,6 +1,4 @@
 // The data of figures, and that gnuplot draws them.
-#include "analysis/report/study_figures.hpp"
-
 #include <array>
 #include <sstream>
 
@@ -9,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/figures/measure_axes.hpp"
+#include "analysis/report/report.hpp"
 #include "analysis/text/gnuplot.hpp"
 #include "tests/unit/analysis/gnuplot_or_none.hpp"
 #include "tests/unit/analysis/modality_rows.hpp"

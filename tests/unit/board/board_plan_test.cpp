@@ -10,7 +10,6 @@
 
 #include "common/error.hpp"
 #include "study/board/board_row.hpp"
-#include "study/board/session_fragments.hpp"
 #include "tests/unit/session/records.hpp"
 
 namespace thimble {

@@ -57,7 +57,7 @@ struct alignas(8) ZeroBody {  // as large as the largest
     std::array<std::uint8_t, 176> bytes{};
 };
 constexpr flatbuffers::voffset_t kHeaderField = 4;
-// All but the device fault, of which two have no room in a datagram.
+// All but the device fault: a datagram has no room for two of them.
 constexpr std::array<flatbuffers::voffset_t, 14> kBodyFields{6,  8,  10, 12, 14, 16, 18,
                                                              20, 22, 24, 26, 28, 32, 34};
 

@@ -59,7 +59,7 @@ TEST(DurationText, MillisecondsWrittenAsSecondsAreDoubtedForNetworksOnly) {
     for (const char* name :
          {"delay_s", "delays_s", "jitter_spread_s", "slot_most_s", "--force-delay-s", "--jitter-s"})
         EXPECT_EQ(doubt_seconds(name, 50),
-                  "50, but no network takes 50 s: for 50 ms write 0.05 or \"50ms\", for 50 s \"50s\"")
+                  "50, but no network takes 50 s: for 50 ms write 0.05 or \"50ms\"; for 50 s write \"50s\"")
             << name;
     EXPECT_EQ(doubt_seconds("delay_s", 1.3), "") << "to the moon";
     for (const char* name : {"contact_hold_s", "--seconds", "slot_packets", "fixture_jitter_m"})

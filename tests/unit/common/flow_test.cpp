@@ -273,7 +273,7 @@ TEST_F(InboundFlowTest, SilenceIsExcusedUntilANamedTimeAndTheUsualPatienceThen) 
     flow.excuse_silence_until(now + seconds{2});
     EXPECT_FALSE(flow.lost_for(now + milliseconds{2400}, milliseconds{500}));
     EXPECT_TRUE(flow.lost_for(now + milliseconds{2501}, milliseconds{500}));
-    EXPECT_TRUE(flow.silent_for(now + milliseconds{501}, milliseconds{500}));  // it is silent all the same
+    EXPECT_TRUE(flow.silent_for(now + milliseconds{501}, milliseconds{500}));  // still silent
     flow.did_not_listen(milliseconds{100});
     EXPECT_FALSE(flow.silent_for(now + milliseconds{600}, milliseconds{500}));
     EXPECT_FALSE(flow.lost_for(now + milliseconds{2600}, milliseconds{500}));

@@ -91,7 +91,7 @@ TEST_F(Grants, AStrangerIsNotLetInAndSaysSo) {
     EXPECT_FALSE(take_within(door_, std::chrono::milliseconds{300}));
     LockStepEnd stranger(coming_stranger.get(), std::chrono::seconds{5});
     EXPECT_THAT(refusal([&] { stranger.receive(); }, ExitCode::kNetwork),
-                HasSubstr("the conductor turned this program away: it has another key or version"));
+                HasSubstr("the lock-step controller rejected this program: it has another key or version"));
     auto coming = node_with(door_.key(), here_);
     EXPECT_TRUE(take_within(door_, std::chrono::seconds{5}));
     coming.wait();
@@ -141,7 +141,7 @@ TEST_F(Grants, AMessageThatIsChangedOnItsWayIsRefused) {
     ASSERT_TRUE(conductor->send(message));
     wire.pass(0, 128, true);
     EXPECT_THAT(refusal([&] { node->receive(message); }, ExitCode::kNetwork),
-                HasSubstr("does not fit the run's key"));
+                HasSubstr("fails the check with the run's key"));
 }
 
 TEST(GrantKey, MustBeAKey) {

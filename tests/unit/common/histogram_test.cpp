@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "common/round_trip.hpp"
+#include "common/force_age.hpp"
 #include "tests/allocation_count.hpp"
 
 namespace thimble {

@@ -70,7 +70,7 @@ TEST_F(Ends, AnotherVersionIsRefused) {
     other.version = 7;
     ASSERT_TRUE(node_->send(other));
     EXPECT_THAT(refusal([&] { conductor_->receive(); }, ExitCode::kNetwork),
-                HasSubstr("version 7, but this program speaks version 2"));
+                HasSubstr("version 7, but this program uses version 2"));
 }
 
 TEST_F(Ends, OneThatSaysNothingIsLateAndOneThatEndsIsGone) {
@@ -84,7 +84,7 @@ TEST_F(Ends, OneThatSaysNothingIsLateAndOneThatEndsIsGone) {
 
 TEST(LockStep, StandardInputMustBeAConductor) {
     EXPECT_THAT(refusal([] { const LockStepEnd end(dup(STDERR_FILENO), Duration{}); }, ExitCode::kUsage),
-                HasSubstr("no conductor at standard input"));
+                HasSubstr("lock-step needs a controller at standard input"));
 }
 
 class WayOfGrants : public Ends, public testing::WithParamInterface<bool> {};
@@ -100,8 +100,7 @@ TEST_P(WayOfGrants, AGrantIsAnsweredWithTheNextWakeUpAndWhatWasSent) {
     Channel *const needle = sender.outlet(Port::kSlaveNeedle), *const foreign =
                                                                    stranger.outlet(Port::kSlaveNeedle);
     for (int i = 0; i < 3; ++i) {
-        foreign->send(
-            std::array<std::uint8_t, 2>{6, 6});  // nobody has announced it: it is not in place of another
+        foreign->send(std::array<std::uint8_t, 2>{6, 6});  // not announced: it does not stand for another
         needle->send(std::array<std::uint8_t, 2>{4, 5});
     }
     conductor_->send(message_of(LockStepKind::kBegin));
@@ -172,7 +171,7 @@ TEST_F(Ends, ADatagramThatDoesNotComeNamesItsFlow) {
     grant.datagrams[static_cast<std::size_t>(Port::kSlaveNeedle)] = 1;
     conductor_->send(grant);
     EXPECT_THAT(refusal([&] { run_in_lock_step(*node_, echo, sockets); }, ExitCode::kNetwork),
-                HasSubstr("of the flow 'needle' from netem to slave_sim 1 announced datagram did not come"));
+                HasSubstr("of 'needle' from netem to slave_sim: 1 announced datagram did not come"));
 }
 
 }  // namespace

@@ -62,6 +62,13 @@ TEST(NetworkSettings, RefusesWhatDoesNotFit) {
     EXPECT_THROW(network_settings("host_slave = 'x'"), Error);
 }
 
+TEST(NetworkSettings, AnEndpointIsReadFromText) {
+    EXPECT_EQ(read_endpoint("9870", "--to", "127.0.0.1").host, "127.0.0.1");
+    EXPECT_EQ(read_endpoint("lab:65535", "--to", "").port, 65535);
+    for (const char* wrong : {"", "lab", "lab:", ":1", "lab:65536", "lab:-1", "1 "})
+        EXPECT_THROW(read_endpoint(wrong, "--to", "127.0.0.1"), Error) << wrong;
+}
+
 TEST(NetworkSettings, AnObserversPortIsTheSessionsUnlessItIsGiven) {
     EXPECT_EQ(observed_network("", 0).base_port, NetworkSettings{}.base_port);
     EXPECT_EQ(observed_network("", 30000).base_port, 30000);
@@ -105,7 +112,7 @@ TEST(CoreChoice, KeepsTheThreadThereAndNoOther) {
 
 TEST(CoreChoice, SaysThatACoreIsNotThere) {
     if (std::thread::hardware_concurrency() > 1023) GTEST_SKIP() << "it is there";
-    EXPECT_NE(keep_to_core(1023).find("cannot keep to core 1023"), std::string::npos);
+    EXPECT_NE(keep_to_core(1023).find("cannot use core 1023"), std::string::npos);
     EXPECT_EQ(keep_to_core(kAnyCore), "");
 }
 

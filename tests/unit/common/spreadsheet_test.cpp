@@ -1,5 +1,4 @@
 // Tables that went through a spreadsheet: what is taken, and how the rest is named.
-#include "common/csv/spreadsheet.hpp"
 
 #include <array>
 #include <fstream>
@@ -44,7 +43,8 @@ TEST(Spreadsheet, NamesWhatItCannotRead) {
         return refusal([&] { plain_table(text, "t.csv", ',', semicolons); }, ExitCode::kData);
     };
     EXPECT_THAT(said("a;b\n1;1.234,5\n"), AllOf(StartsWith("t.csv:2:"), HasSubstr("'1.234,5'")));
-    EXPECT_THAT(said("a;b\n1;one, two\n"), AllOf(StartsWith("t.csv:2:"), HasSubstr("no decimal comma")));
+    EXPECT_THAT(said("a;b\n1;one, two\n"),
+                AllOf(StartsWith("t.csv:2:"), HasSubstr("not as a decimal comma")));
     EXPECT_THAT(said("a;b\n1;1,234,567\n"), StartsWith("t.csv:2:"));
     EXPECT_THAT(said("a;b\n1,5;2\n3;2.5\n"),
                 AllOf(StartsWith("t.csv:3:"), HasSubstr("line 2 has a decimal comma")));

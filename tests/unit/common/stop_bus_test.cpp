@@ -1,4 +1,4 @@
-// The stop bus: everybody reaches everybody, a stop holds until it is released on purpose, and what comes twice or late
+// The stop bus: each program reaches all others, a stop holds until it is released on purpose, and what comes twice or late
 // changes nothing.
 #include "common/stop_bus.hpp"
 
@@ -190,7 +190,7 @@ TEST(StopBus, AMergedStopIsAsYoungAsTheMerge) {
     EXPECT_FALSE(session.stopped());
 }
 
-// More at once than have a place: all hold, and who asks until nothing is held has let go of all.
+// More stops at once than the list holds: all act, and repeated releases end all of them.
 TEST(StopBus, ManyStopsAtOnce) {
     Party party;
     for (std::uint64_t id = 1; id <= 40; ++id) {

@@ -86,7 +86,7 @@ class HeldHand {
     long ticks_ = 0;
 };
 
-// What was put in now comes out `delay` ticks later; the first one until then.
+// Returns each value `delay` ticks later; before that the first one.
 class DelayLine {
   public:
     explicit DelayLine(std::size_t delay) : delay_(delay) {}

@@ -2,10 +2,12 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/control/built_in_controllers.hpp"
 #include "common/control/control_settings.hpp"
 #include "common/control/energy_bound.hpp"
 #include "common/control/local_fixture.hpp"
@@ -149,10 +151,23 @@ TEST(ControlSettings, WithoutATableThereIsNoCompensator) {
     EXPECT_EQ(control_of("").hand_share(), 1);
 }
 
-TEST(ControlSettings, EachCompensatorHasItsName) {
+// A key whose name the session does not have would shift the values behind it.
+void expect_session_defaults(const ControlSettings& s, const thimble_controller& table) {
+    EXPECT_EQ(table.name, kCompensatorNames[static_cast<std::size_t>(s.compensator)]);
+    EXPECT_EQ(wrong_table(table), "") << table.name;
+    std::vector<double> fallbacks;
+    fallbacks.reserve(table.key_count);
+    for (std::size_t key = 0; key < table.key_count; ++key) fallbacks.push_back(table.keys[key].fallback);
+    EXPECT_EQ(values_of(s), fallbacks) << table.name;
+}
+
+TEST(ControlSettings, EachCompensatorHasItsNameAndKeys) {
     for (std::size_t i = 0; i < kBuiltInCompensators.size(); ++i) {
         const ControlSettings s = control_of("compensator = \"" + std::string(kCompensatorNames[i]) + "\"");
         EXPECT_EQ(s.compensator, static_cast<Compensator>(i));
+        const thimble_controller* const table = controller_of(s);
+        ASSERT_EQ(table == nullptr, s.compensator == Compensator::kNone) << kCompensatorNames[i];
+        if (table != nullptr) expect_session_defaults(s, *table);
         EXPECT_EQ(s.hand_share() < 1,
                   s.compensator == Compensator::kScaled || s.compensator == Compensator::kPredictedShare);
     }

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/control/control_settings.hpp"
 #include "common/control/local_fixture.hpp"
-#include "common/control/scaled_force.hpp"
 #include "common/control/two_port_passivity.hpp"
 #include "tests/unit/control/compensator_loops.hpp"
 
@@ -148,8 +148,8 @@ TEST(TwoPort, WithoutDelayTheProxyStaysWithTheHand) {
     EXPECT_LT(result.swing_m(), 0.2e-3);
 }
 
-// Whatever the hand does, whatever pushes, whatever of the told energies is lost or late: the slave's end has let out no more than it
-// has heard of.
+// For any motion, any force, and reported energies that are lost or late: the slave's end gives out no more energy
+// than was reported to it.
 TEST(TwoPort, TheSlaveLetsOutNoMoreThanItHasHeardOf) {
     std::mt19937 random(7);
     const auto uniform = [&](double low, double high) {

@@ -27,7 +27,7 @@ TEST(Waves, AnImpedanceOfZeroOrInfinityIsRefused) {
     EXPECT_THROW(WaveSlave({20, kTickWave_s, -1}), Error);
 }
 
-// Whatever the wall, whatever else pushes, saturated or not: F dx = h (u^2 - w^2) / 2.
+// For any wall and any other force, saturated or not: F dx = h (u^2 - w^2) / 2.
 TEST(Waves, TheSlaveIsLossless) {
     RandomStream random({5, 1, 1, 1, Purpose::kParameter});
     for (const double stiffness_N_per_m : {0.0, 1.0, 9000.0, 1e7, kInfinite}) {

@@ -201,7 +201,7 @@ TEST(GuardedActuator, NoFingerIsPressedHarderThanItsLimit) {
         EXPECT_FALSE(guard.tripped());
         guard.command({}, Finger::kThumb, no_number);
         EXPECT_TRUE(guard.tripped());
-        EXPECT_EQ(guard.text(), "a force was asked of the fingertip device that is no number");
+        EXPECT_EQ(guard.text(), "the force for the fingertip device is not a finite number");
         EXPECT_EQ(device.current.finger, Finger::kNone);
         guard.command({}, Finger::kThumb, 1);
         EXPECT_EQ(device.current.finger, Finger::kNone) << "until it is cleared";

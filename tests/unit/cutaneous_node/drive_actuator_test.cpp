@@ -44,7 +44,8 @@ TEST(DriveActuator, PressesTheFingerThatIsAskedForAndSaysWhatIsMeasured) {
     EXPECT_EQ(bench.fault(), "");
 }
 
-// A finger is let go of, and in every third millisecond of that both processes, or the drives alone, stand still for 90 ms.
+// A finger is released. In every third millisecond of that both processes, or the drives alone, stand still for 90
+// ms.
 TEST(DriveActuator, AStalledMachineIsNoSlackCable) {
     for (int stalls_after_ms = 0; stalls_after_ms < 40; stalls_after_ms += 3) {
         for (const bool drives_alone : {false, true}) {
@@ -129,12 +130,12 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{"emcy 3 0x2310",
                   "drive 3 (acting hand, index, cable 2): EMCY 0x2310 (over-current); remove the cause", 2},
         FaultCase{"reboot 3", "drive 3 (acting hand, index, cable 2): has restarted", 2},
-        FaultCase{"no-heartbeat 3", "drive 3 (acting hand, index, cable 2): heartbeat lost", 102},
-        FaultCase{"silence 3", "drive 3 (acting hand, index, cable 2): heartbeat lost", 102},
+        FaultCase{"no-heartbeat 3", "drive 3 (acting hand, index, cable 2): its heartbeat is lost", 102},
+        FaultCase{"silence 3", "drive 3 (acting hand, index, cable 2): its heartbeat is lost", 102},
         FaultCase{"no-data 3", "sends no process data", 206},
         FaultCase{"short-data 3", "process data of 6 bytes, not 8", 6},
         FaultCase{"duplicate 3", "drive 3 (acting hand, index, cable 2): two devices have this node id", 40},
-        FaultCase{"cut 3", "drive 3 (acting hand, index, cable 2): the cable is slack or torn", 300},
+        FaultCase{"cut 3", "drive 3 (acting hand, index, cable 2): the cable is slack or broken", 300},
         FaultCase{"emcy 12 0x4210", "drive 12 (other hand, thumb, cable 2): EMCY 0x4210 (too hot)", 2}));
 
 // Notes the target of drive 1. If `full`, it loses the last frame of each cycle, the SYNC, as an interface's queue of 10 frames does.
@@ -241,11 +242,11 @@ INSTANTIATE_TEST_SUITE_P(
     Each, DriveStartFaults,
     testing::Values(
         FaultCase{"refuse 3 0x6060",
-                  "drive 3 (acting hand, index, cable 2): refused 'mode 0x6060' with SDO abort 0x06020000 "
+                  "drive 3 (acting hand, index, cable 2): rejected 'mode 0x6060' with SDO abort 0x06020000 "
                   "(no such object)"},
-        FaultCase{"refuse 7 0x1a00 2", "drive 7 (other hand, index, cable 0): refused 'TPDO1 position'"},
+        FaultCase{"refuse 7 0x1a00 2", "drive 7 (other hand, index, cable 0): rejected 'TPDO1 position'"},
         FaultCase{"duplicate 3", "drive 3 (acting hand, index, cable 2): two devices have this node id"},
-        FaultCase{"cut 5", "drive 5 (acting hand, thumb, cable 1): the cable does not get taut"}));
+        FaultCase{"cut 5", "drive 5 (acting hand, thumb, cable 1): the cable does not become taut"}));
 
 TEST(DriveActuator, ADriveThatIsNotThereIsNamed) {
     DriveBench bench;
@@ -254,10 +255,8 @@ TEST(DriveActuator, ADriveThatIsNotThereIsNamed) {
         actuator.tick(bench.now += milliseconds{1});
         bench.drives.tick(bench.now);
     }
-    EXPECT_THAT(
-        std::string(actuator.fault()),
-        HasSubstr(
-            "drive 13 (other hand, thumb, cable 2): no boot-up on can0 after its reset; is it powered"));
+    EXPECT_THAT(std::string(actuator.fault()), HasSubstr("drive 13 (other hand, thumb, cable 2): no boot-up "
+                                                         "message on can0 after its reset; check its power"));
 }
 
 TEST(DriveActuator, AFingerWithoutADeviceIsAFaultOnlyWhenItIsPressed) {

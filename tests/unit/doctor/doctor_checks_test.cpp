@@ -16,7 +16,7 @@ using testing::Not;
 constexpr auto kOk = Severity::kOk, kNote = Severity::kNote, kWarning = Severity::kWarning,
                kFault = Severity::kFault;
 
-// What is said of a machine. An empty remedy: there is none.
+// Findings about a machine. An empty remedy: there is none.
 struct Case {
     Facts machine;
     Severity severity = kOk;
@@ -65,13 +65,14 @@ TEST(DoctorChecks, ProgramsMustBeThereAndOfOneVersion) {
         return with(&Facts::programs,
                     {"0.1.0", "bin", {{"thimble-master", "0.1.0"}, {"thimble-netem", version}}, "", ""});
     };
-    expect_findings(check_programs,
-                    {{netem("0.1.0"), kOk, "thimble 0.1.0 and its 2 nodes"},
-                     {netem("0.0.9"), kFault, "thimble-netem 0.0.9 beside thimble 0.1.0", "cmake --build"},
-                     {netem(""), kFault, "no thimble-netem that runs in bin", "cmake --build"}});
+    expect_findings(
+        check_programs,
+        {{netem("0.1.0"), kOk, "thimble 0.1.0 and its 2 nodes"},
+         {netem("0.0.9"), kFault, "thimble-netem 0.0.9 and thimble 0.1.0 differ", "cmake --build"},
+         {netem(""), kFault, "no thimble-netem that runs in bin", "cmake --build"}});
     expect_findings(check_software,
                     {{with(&Facts::programs, {"", "", {}, "gnuplot 5.4", "Debian"}), kOk, "Debian, gnuplot"},
-                     {{}, kWarning, "without figures", "gnuplot-nox"}});
+                     {{}, kWarning, "would have no figures", "gnuplot-nox"}});
 }
 
 TEST(DoctorChecks, PythonsPackageIsOfTheSameVersion) {
@@ -80,8 +81,8 @@ TEST(DoctorChecks, PythonsPackageIsOfTheSameVersion) {
     };
     expect_findings(check_python,
                     {{python("0.1.0"), kOk, "python3 imports thimble 0.1.0"},
-                     {python(""), kNote, "no thimble", "python3-thimble"},
-                     {python("0.0.9"), kWarning, "thimble 0.0.9, and this is thimble 0.1.0", "__file__"}});
+                     {python(""), kNote, "cannot import thimble", "python3-thimble"},
+                     {python("0.0.9"), kWarning, "thimble 0.0.9, but this is thimble 0.1.0", "__file__"}});
 }
 
 TEST(DoctorChecks, OurOwnProgramsAreEndedAtAPortOthersAreAvoided) {
@@ -94,7 +95,7 @@ TEST(DoctorChecks, OurOwnProgramsAreEndedAtAPortOthersAreAvoided) {
         {{taken({}), kOk, "27000 to 27049 are free"},
          {taken({ours, also_ours}), kFault, "27003 (by thimble-visual, process 4711) and others",
           "kill 4711"},
-         {taken({ours, also_ours, {27010, 12, "jackd"}}), kFault, "3 of UDP ports", "--base-port 27050"},
+         {taken({ours, also_ours, {27010, 12, "jackd"}}), kFault, "3 of the UDP ports", "--base-port 27050"},
          {taken({{27001, 0, ""}}), kFault, "another user's program", "--base-port 27050"},
          {with(&Facts::ports, {27000, 25, 25, {}, false}), kFault, "did not arrive", "ip link set lo up"}});
 }
@@ -104,7 +105,7 @@ TEST(DoctorChecks, AFirewallMattersToSeveralMachinesOnly) {
     const Facts several = with(&Facts::session, kSeveral, one);
     expect_findings(
         check_firewall,
-        {{several, kOk, "none was seen"},
+        {{several, kOk, "none found"},
          {with(&Facts::firewall, {FirewallKind::kUfw, ""}, one), kOk, "ufw is active"},
          {with(&Facts::firewall, {FirewallKind::kUfw, ""}, several), kWarning, "other machines",
           "sudo ufw allow 27000:27024/udp"},
@@ -117,9 +118,9 @@ TEST(DoctorChecks, AFirewallMattersToSeveralMachinesOnly) {
 TEST(DoctorChecks, ALimitOfPrioritiesThatCanBeRaisedIsToldFromOneThatCannot) {
     const auto realtime = [](RealtimeFacts facts) { return with(&Facts::realtime, facts); };
     expect_findings(check_realtime,
-                    {{{}, kOk, "priority 60, is granted"},
-                     {realtime({false, true, 60, 0}), kOk, "not asked for"},
-                     {realtime({true, false, 60, 0}), kWarning, "may not have SCHED_FIFO", "rtprio 70"},
+                    {{{}, kOk, "priority 60, is allowed"},
+                     {realtime({false, true, 60, 0}), kOk, "not requested"},
+                     {realtime({true, false, 60, 0}), kWarning, "may not use SCHED_FIFO", "rtprio 70"},
                      {realtime({true, false, 60, 95}), kWarning, "", "ulimit -r 60"},
                      {realtime({true, false, 60, -1}), kWarning, "", "ulimit -r 60"}});
 }
@@ -138,7 +139,7 @@ TEST(DoctorChecks, ATimerIsJudgedByTheSamplesItMisses) {
 
 TEST(DoctorChecks, SlowProcessorsAndClocksAreTold) {
     const auto machine = [](ProcessorFacts facts) { return with(&Facts::processors, std::move(facts)); };
-    expect_findings(check_governor, {{machine({4, {}, "tsc", {}}), kOk, "not the kernel's to choose"},
+    expect_findings(check_governor, {{machine({4, {}, "tsc", {}}), kOk, "the kernel cannot set"},
                                      {machine({4, {"performance"}, "tsc", {}}), kOk, "governor performance"},
                                      {machine({4, {"performance", "powersave"}, "tsc", {}}), kWarning,
                                       "performance, powersave", "echo performance"},
@@ -157,10 +158,12 @@ TEST(DoctorChecks, NobodyNeedsTheClockOnOneMachine) {
     const auto clock = [](ClockFacts facts) {
         return with(&Facts::clock, std::move(facts), with(&Facts::session, kSeveral));
     };
-    expect_findings(check_clock, {{clock({true, true, 0.002, "chrony follows x"}), kOk, "within 2.0 ms"},
-                                  {with(&Facts::clock, {true, false, 0, ""}), kOk, "needs nothing else"},
-                                  {clock({true, false, 0, ""}), kNote, "bounded more widely", "chrony"},
-                                  {clock({false, false, 0, ""}), kNote, "does not say", "chrony"}});
+    expect_findings(
+        check_clock,
+        {{clock({true, true, 0.002, "chrony follows x"}), kOk, "within 2.0 ms"},
+         {with(&Facts::clock, {true, false, 0, ""}), kOk, "enough for a session on one machine"},
+         {clock({true, false, 0, ""}), kNote, "less precisely than with synchronised clocks", "chrony"},
+         {clock({false, false, 0, ""}), kNote, "does not say", "chrony"}});
 }
 
 TEST(DoctorChecks, ADeviceThatIsWantedMustBeThereAndOpen) {
@@ -178,32 +181,36 @@ TEST(DoctorChecks, ADeviceThatIsWantedMustBeThereAndOpen) {
     expect_findings(
         check_handle,
         {{plugged(hid, {{cap(false)}, {}}), kFault,
-          "SpaceMouse Compact (256f:c635) at /dev/hidraw3 may not be opened", "deploy/udev/70-thimble"},
-         {plugged(none, {{cap(false)}, {}}), kNote, "may not be opened", "deploy/udev/70-thimble"},
+          "this user may not open SpaceMouse Compact (256f:c635) at /dev/hidraw3", "deploy/udev/70-thimble"},
+         {plugged(none, {{cap(false)}, {}}), kNote, "this user may not open", "deploy/udev/70-thimble"},
          {plugged(hid, {{cap(false)}, rules}), kFault, "log in at this machine", "udevadm trigger"},
          {plugged(hid, {{cap(true)}, rules}), kOk, "SpaceMouse Compact"},
          // One that is asked for and open is enough, whatever else is plugged in.
          {plugged(hid, {{cap(false), cap(true)}, {}}), kOk, "SpaceMouse"},
          {{}, kOk, "plugged in: none"},
          {plugged(session_with("falcon"), {}), kFault, "not plugged in", "lsusb"},
-         {plugged(none, mouse), kOk, "no hand's input"},
+         {plugged(none, mouse), kOk, "cannot move the needle"},
          {plugged(hid, mouse), kFault, "not plugged in", "lsusb"},
          {plugged(none, board), kOk, "plugged in: none"}});
     expect_findings(check_fingertip,
                     {{plugged(session_with("simulated", "board"), board), kOk, "Board"},
                      {plugged(session_with("simulated", "board"), {}), kFault, "not plugged in", "lsusb"}});
+    SessionFacts touchdiver = session_with("simulated", "touchdiver");
+    expect_findings(check_fingertip, {{plugged(touchdiver, {}), kOk, "touchdiver"}});
+    touchdiver.middleware_problem = "nobody listens at TCP pc:13031";
+    expect_findings(check_fingertip, {{plugged(touchdiver, {}), kFault, "pc:13031: start WEART's", "ss"}});
 }
 
 TEST(DoctorChecks, CanIsNeededByDrivesOnly) {
     const Facts able = with(&Facts::kernel, {"", "", 1e-9, true});
     const Facts drives = with(&Facts::session, session_with("simulated", "drives"), able);
     expect_findings(
-        check_can, {{{}, kNote, "this kernel has none", "modprobe can_raw"},
+        check_can, {{{}, kNote, "this kernel has no CAN", "modprobe can_raw"},
                     {able, kNote, "no interface", "type vcan"},
                     {with(&Facts::can, {{{"can0", false, 10}}}, drives), kWarning, "can0 is down",
                      "ip link set can0 up type can bitrate 1000000"},
                     {with(&Facts::can, {{{"can0", false, 10}, {"can1", true, 10}}}, able), kOk, "can1 is up"},
-                    {with(&Facts::can, {{{"can0", true, 10}}}, drives), kWarning, "10 frames may wait there",
+                    {with(&Facts::can, {{{"can0", true, 10}}}, drives), kWarning, "its queue holds 10 frames",
                      "ip link set can0 txqueuelen 100"},
                     {with(&Facts::can, {{{"can0", true, 100}}}, drives), kOk, "can0 is up"}});
 }
@@ -234,12 +241,11 @@ TEST(DoctorChecks, APersonNeedsSoundScreenAndTheHandlesSoftware) {
     };
     SessionFacts sees = person;
     sees.beep_shown = true;
-    expect_findings(
-        check_sound,
-        {{with_sound({true, ""}), kOk, "beep"},
-         {with_sound({true, "no device"}), kFault, "a person is to hear it", "aplay"},
-         {with_sound({false, ""}), kFault, "THIMBLE_AUDIO", "aplay"},
-         {with(&Facts::sound, {true, "no device"}, with(&Facts::session, sees)), kNote, "shown", "aplay"}});
+    expect_findings(check_sound, {{with_sound({true, ""}), kOk, "beep"},
+                                  {with_sound({true, "no device"}), kFault, "a person must hear it", "aplay"},
+                                  {with_sound({false, ""}), kFault, "THIMBLE_AUDIO", "aplay"},
+                                  {with(&Facts::sound, {true, "no device"}, with(&Facts::session, sees)),
+                                   kNote, "shown", "aplay"}});
     const Facts blind = with(&Facts::screen, {true, "no screen", "", ""}, with(&Facts::session, person));
     expect_findings(check_screen, {{blind, kFault, "no screen", "DISPLAY"}});
     SessionFacts device = person;
@@ -247,10 +253,43 @@ TEST(DoctorChecks, APersonNeedsSoundScreenAndTheHandlesSoftware) {
     device.software_problem = "nvent.bin cannot be read";
     device.cutaneous_drawn = false;
     const Facts broken = with(&Facts::session, device);
-    expect_findings(check_device_software, {{{}, kOk, "no SDK"}, {broken, kFault, "nvent.bin", "sha256sum"}});
+    SessionFacts haply, touch;
+    haply.handle = "haply";
+    haply.software_problem = "no Haply Inverse Service";
+    touch.handle = "touch";
+    touch.software_problem = "no library";
+    expect_findings(
+        check_device_software,
+        {{{}, kOk, "have all the SDKs"},
+         {broken, kFault, "nvent.bin", "sha256sum"},
+         {with(&Facts::session, haply), kFault, "no Haply", "systemctl status haply-inverse-service"},
+         {with(&Facts::session, touch), kFault, "no library", "ldconfig -p | grep libHD"}});
     expect_findings(check_fingertip, {{broken, kWarning, "fingertip = true"}});
     EXPECT_FALSE(can_run(examine_for_person(broken)));
     EXPECT_EQ(exit_code(examine_for_person(with_sound({true, "no device"}))), ExitCode::kUsage);
+}
+
+TEST(DoctorChecks, Ros2NeedsADomainAndAnInterfaceThatMulticasts) {
+    const Ros2Facts good{true, {{"127.0.0.1", "lo", true, true}}, "7", "", "rmw_fastrtps_cpp"};
+    const auto but = [&good](auto change) {
+        Ros2Facts facts = good;
+        change(facts);
+        return with(&Facts::ros2, facts);
+    };
+    expect_findings(
+        check_ros2,
+        {{but([](auto&) {}), kOk,
+          "domain 7, by ROS_DOMAIN_ID; RMW_IMPLEMENTATION is rmw_fastrtps_cpp; lo at"},
+         {but([](auto& f) { f.domain = ""; }), kOk, "ROS_DOMAIN_ID is not set"},
+         {but([](auto& f) { f.domain_problem = "'x' is not a number"; }), kFault, "'x'",
+          "unset ROS_DOMAIN_ID"},
+         {but([](auto& f) { f.interfaces[0].name = ""; }), kFault, "has 127.0.0.1", "ip -4 address"},
+         {but([](auto& f) { f.interfaces[0].up = false; }), kFault, "is down", "set lo up"},
+         {but([](auto& f) { f.interfaces[0].multicast = false; }), kFault, "has no multicast",
+          "multicast on"},
+         {but([](auto& f) { f.wanted = f.interfaces[0].multicast = false; }), kNote, "has no multicast",
+          "multicast on"},
+         {but([](auto& f) { f.rmw = "rmw_zenoh_cpp"; }), kWarning, "does not use DDS", "export RMW"}});
 }
 
 TEST(DoctorChecks, ExitCodesAreThoseOfTheManual) {

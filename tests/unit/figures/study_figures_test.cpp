@@ -1,11 +1,10 @@
 // The figures of studies that are small, lack something, or whose values are extreme.
-#include "analysis/report/study_figures.hpp"
-
 #include <functional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "analysis/report/report.hpp"
 #include "tests/unit/analysis/gnuplot_or_none.hpp"
 #include "tests/unit/analysis/modality_rows.hpp"
 #include "tests/unit/figures/svg_picture.hpp"

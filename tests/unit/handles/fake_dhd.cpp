@@ -1,6 +1,7 @@
 // A libdhd.so.3 of our own with a scripted device behind it, which the real dlopen finds. The environment variable
-// THIMBLE_FAKE_DHD names its script: lines "key value", read when somebody asks how many devices there are. Keys ending in _after
-// count calls of dhdGetPosition; positions in metres. A button is down while the file `button_file` names exists. It writes what it was told to the file `log` names.
+// THIMBLE_FAKE_DHD names its script: lines "key value", read when a caller asks how many devices there are. Keys
+// ending in _after count calls of dhdGetPosition; positions in metres. A button is down while the file `button_file`
+// names exists. It writes what it was told to the file `log` names.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

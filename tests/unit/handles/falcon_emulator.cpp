@@ -65,7 +65,10 @@ void FalconEmulator::take_boot(std::uint8_t byte) {
         if (heard_.size() > kGreeting.size()) heard_.pop_front();
         if (!std::equal(heard_.begin(), heard_.end(), kGreeting.begin(), kGreeting.end())) return;
         heard_.clear();
-        answer(kGreeted);
+        if (zero_before_greeting) waiting_.push_back(0);
+        const std::size_t missing = greetings_cut_short > 0 ? 2 : 0;
+        if (missing > 0) --greetings_cut_short;
+        answer(std::span(kGreeted).first(kGreeted.size() - missing));
     } else if (stage_ == Stage::kBegin && byte == 0x41) {
         stage_ = Stage::kImage;
         waiting_.push_back(byte);
@@ -100,12 +103,13 @@ bool EmulatedFalconLink::control(std::uint8_t request, std::uint16_t value) {
 
 bool EmulatedFalconLink::write(std::span<const std::uint8_t> bytes) {
     if (device_->unplugged) return false;
+    empty_reads_ = device_->reads_before_report;
     device_->receive(bytes);
     return true;
 }
 
 std::size_t EmulatedFalconLink::read(std::span<std::uint8_t> room, Duration /*limit*/) {
-    if (lost()) return 0;
+    if (lost() || empty_reads_-- > 0) return 0;
     const auto bytes = device_->transmit(std::min(room.size(), device_->packet_bytes));
     std::copy(bytes.begin(), bytes.end(), room.begin());
     return bytes.size();

@@ -34,10 +34,13 @@ class FalconEmulator {
 
     // Faults.
     bool unplugged = false;
-    bool failing_reads = false;                // of the USB, while writes work
-    bool stalled_control = false;              // the chip stalls each request
-    bool silent = false;                       // takes commands, reports nothing
-    bool deaf_loader = false;                  // no greeting
+    bool failing_reads = false;         // of the USB, while writes work
+    bool stalled_control = false;       // the chip stalls each request
+    bool silent = false;                // takes commands, reports nothing
+    bool deaf_loader = false;           // no greeting
+    bool zero_before_greeting = false;  // a packet of 7 bytes with the chip's status, as some hosts get it
+    int greetings_cut_short = 0;        // so many answers lack their end
+    int reads_before_report = 0;        // of EmulatedFalconLink, which bring nothing
     std::optional<std::size_t> wrong_echo_at;  // once
     bool short_reports = false;
     std::size_t packet_bytes = 64;  // of what EmulatedFalconLink gives at once
@@ -68,6 +71,7 @@ class EmulatedFalconLink final : public FalconLink {
 
   private:
     FalconEmulator* device_;
+    int empty_reads_ = 0;  // still to come
 };
 
 }  // namespace thimble

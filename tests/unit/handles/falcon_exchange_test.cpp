@@ -41,7 +41,7 @@ TEST_F(FalconExchangeTest, BringsMotorsThereAndEncodersBack) {
 
 TEST_F(FalconExchangeTest, AForceThatNobodyRenewsEnds) {
     mailbox.command({100, 0, 0});
-    for (int i = 0; i <= FalconExchange::kUnattendedTurns; ++i) {
+    for (int i = 0; i <= FalconExchange::kUnattendedReads; ++i) {
         exchange->turn();
         EXPECT_EQ(device.commanded.motors[0], 100) << i;
     }
@@ -53,6 +53,22 @@ TEST_F(FalconExchangeTest, AForceThatNobodyRenewsEnds) {
     exchange->turn();
     EXPECT_EQ(device.commanded.motors[0], 3);
     EXPECT_FALSE(mailbox.take_withheld());
+}
+
+// By the time that the exchanges take, not by their number.
+TEST_F(FalconExchangeTest, AForceThatNobodyRenewsEndsAsSoonWithSlowAnswers) {
+    device.reads_before_report = FalconExchange::kReads - 1;
+    mailbox.command({100, 0, 0});
+    for (int reads = 0; reads <= FalconExchange::kUnattendedReads; reads += FalconExchange::kReads) {
+        exchange->turn();
+        EXPECT_EQ(device.commanded.motors[0], 100) << reads;
+        EXPECT_FALSE(mailbox.silent()) << "the fifth read brings it";
+    }
+    exchange->turn();
+    EXPECT_EQ(device.commanded.motors[0], 0);
+    ++device.reads_before_report;
+    exchange->turn();
+    EXPECT_TRUE(mailbox.silent());
 }
 
 // From the second tick on: the first still answers the last report.

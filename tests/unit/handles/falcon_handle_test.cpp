@@ -177,14 +177,14 @@ TEST_F(FalconHandleTest, AForceThatWasWithheldGrowsFromZeroAsTheGuardSays) {
         device.silent = !stalled;
         for (int i = 0; i < 3; ++i) tick();
         device.silent = false;
-        for (int i = 0; stalled && i < FalconExchange::kUnattendedTurns + 2; ++i) turn();
+        for (int i = 0; stalled && i < FalconExchange::kUnattendedReads + 2; ++i) turn();
         EXPECT_EQ(before, 0);
         tick();
         EXPECT_LT(before, 260);
     }
     for (int i = 0; i < 20; ++i) tick();
     guard.read(now += milliseconds{1});
-    for (int i = 0; i < FalconExchange::kUnattendedTurns + 2; ++i) turn();
+    for (int i = 0; i < FalconExchange::kUnattendedReads + 2; ++i) turn();
     guard.command_force(now, 6);  // a master that was stopped after its reading
     turn();
     EXPECT_EQ(before, 0);
@@ -198,12 +198,13 @@ TEST_F(FalconHandleTest, UntilItIsHomedThereIsNoForceAndTheWordsSayWhatToDo) {
     FalconHandle waiting(FalconSettings{}, 8, "Falcon", empty);
     EXPECT_EQ(waiting.awaits(), "Falcon: no report yet");
     waiting.enable_force(now, true);
-    for (const auto& [legs, words] : {std::pair{0, "Falcon: 0 of 3 legs homed; pull the grip out"},
-                                      std::pair{5, "Falcon: 2 of 3 legs homed; pull the grip out"}}) {
+    for (const auto& [legs, words] :
+         {std::pair{0, "Falcon: 0 of 3 legs homed; pull the grip all the way out"},
+          std::pair{5, "Falcon: 2 of 3 legs homed; pull the grip all the way out"}}) {
         device.report.homed_legs = static_cast<std::uint8_t>(legs);
         fresh.turn();
         EXPECT_THAT(waiting.awaits(), testing::StartsWith(words));
-        EXPECT_THAT(std::string(waiting.fault()), HasSubstr("pull the grip out"));
+        EXPECT_THAT(std::string(waiting.fault()), HasSubstr("pull the grip all the way out"));
         EXPECT_FALSE(waiting.read(now += milliseconds{1}).valid);
         waiting.command_force(now, 5);
         fresh.turn();
@@ -260,8 +261,8 @@ INSTANTIATE_TEST_SUITE_P(Each, FalconFaults,
                                                      [](FalconEmulator& d) { d.silent = true; }},
                                          FalconFault{"Garbled", "no report", 22,
                                                      [](FalconEmulator& d) { d.garbled_reports = true; }},
-                                         FalconFault{"HomingLost", "has lost where its legs are", 1,
-                                                     [](FalconEmulator& d) { d.report.homed_legs = 0; }},
+                                         FalconFault{"HomingLost", "no longer knows the position of its legs",
+                                                     1, [](FalconEmulator& d) { d.report.homed_legs = 0; }},
                                          FalconFault{"Impossible", "impossible encoder counts 32767 0 -32768",
                                                      1,
                                                      [](FalconEmulator& d) {

@@ -43,7 +43,7 @@ RC_GTEST_PROP(FalconPacketProperty, ReportsComeBackWhateverStoodBefore,
     const FalconReport sent{{a, b, c}, 5, 7};
     FalconReportReader reader;
     reader.take(noise);
-    // What came before may swallow the first as its own, never the second.
+    // Earlier bytes may absorb the first packet, never the second.
     const FalconPacket packet = encode(sent);
     reader.take(packet);
     const auto report = reader.take(packet);

@@ -42,6 +42,17 @@ TEST_F(FalconSetup, LoadsWhatItIsGiven) {
     EXPECT_TRUE(falcon_answers(link));
 }
 
+TEST_F(FalconSetup, AGreetingAfterAZeroOrAfterPiecesOfOthersIsUnderstood) {
+    device.zero_before_greeting = true;
+    EXPECT_NO_THROW(load_falcon_firmware(link, image));
+    EXPECT_EQ(device.loaded, image);
+    device.greetings_cut_short = 3;
+    EXPECT_NO_THROW(load_falcon_firmware(link, image));
+    device.zero_before_greeting = false;
+    device.greetings_cut_short = 3;
+    EXPECT_NO_THROW(load_falcon_firmware(link, image));
+}
+
 TEST_F(FalconSetup, AWrongEchoMeansOnceMore) {
     device.wrong_echo_at = 500;
     load_falcon_firmware(link, image);
@@ -50,7 +61,7 @@ TEST_F(FalconSetup, AWrongEchoMeansOnceMore) {
 
 TEST_F(FalconSetup, SaysWhichStepFailed) {
     device.image_bytes = image.size() + 1000;  // wants more than the file has
-    EXPECT_THAT(why_not(), HasSubstr("the first report of what was loaded failed 3 times"));
+    EXPECT_THAT(why_not(), HasSubstr("the first report of the loaded firmware failed 3 times"));
     device.deaf_loader = true;
     EXPECT_THAT(why_not(), HasSubstr("its boot loader's greeting failed"));
     device.unplugged = true;
@@ -71,8 +82,8 @@ TEST(FalconFirmware, IsTheFileThatWasMeant) {
     const std::string sum = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
     EXPECT_EQ(read_falcon_firmware(name, sum).size(), 3U);
     const std::string other(64, '0');
-    EXPECT_THAT(why_not(other), testing::AllOf(HasSubstr("its SHA-256 is " + sum),
-                                               HasSubstr("firmware_sha256 says " + other)));
+    EXPECT_THAT(why_not(other),
+                testing::AllOf(HasSubstr("its SHA-256 is " + sum), HasSubstr("firmware_sha256 is " + other)));
 }
 
 }  // namespace

@@ -146,12 +146,12 @@ TEST_P(ForceDimensionFault, TakesTheForceAwayAndSaysWhy) {
 INSTANTIATE_TEST_SUITE_P(Each, ForceDimensionFault,
                          testing::Values(Fault{"Unplugged", "unplugged_after 30\n", 30,
                                                "communication error"},
-                                         Fault{"Stalled", "stalled_after 30\n", 51, "its clock stands still"},
+                                         Fault{"Stalled", "stalled_after 30\n", 51, "its clock has stopped"},
                                          Fault{"Garbled", "garbled_after 30\n", 30, "impossible position"},
                                          Fault{"Uncalibrated", "uncalibrated_after 30\n", 40,
                                                "hold the handle in its rest position"},
                                          Fault{"MotorsOff", "motors_off_after 30\n", 40,
-                                               "its watchdog: this program called too rarely"}),
+                                               "its watchdog fired: this program called too rarely"}),
                          [](const auto& fault) { return std::string(fault.param.name); });
 
 TEST_F(ForceDimension, AClockThatStandsStillCostsTheForceInTwoTicks) {
@@ -170,7 +170,7 @@ TEST_F(ForceDimension, SaysWhichDeviceItCannotHave) {
     script("devices 0\n");
     EXPECT_THAT(why_not(), HasSubstr("no Force Dimension handle found"));
     script("devices 2\n");
-    EXPECT_THAT(why_not(), HasSubstr("name one by [handle.force_dimension] serial"));
+    EXPECT_THAT(why_not(), HasSubstr("name one in [handle.force_dimension] serial"));
     settings_.serial = 1002;
     EXPECT_EQ(open()->name(), "omega.3, serial 1002, SDK 3.17.0.0");
     settings_.serial = 7;
@@ -179,7 +179,7 @@ TEST_F(ForceDimension, SaysWhichDeviceItCannotHave) {
     script("in_use 1\n");
     EXPECT_THAT(why_not(), HasSubstr("device already in use (error 20)"));
     script("type 60\n");
-    EXPECT_THAT(why_not(), HasSubstr("a Falcon has a driver of its own"));
+    EXPECT_THAT(why_not(), HasSubstr("use device = \"falcon\" for a Falcon"));
     script("uncalibrated 1\n");
     EXPECT_THAT(why_not(ExitCode::kRunFailed), HasSubstr("it is not calibrated"));
     script("power 0\n");
@@ -217,7 +217,7 @@ TEST_F(ForceDimension, AButtonThatTheFileNamesIsAnEmergencyStop) {
     EXPECT_TRUE(reads(*handle, 6));
     EXPECT_TRUE(handle->take_stop(now_));
     settings_.stop_button = 3;
-    EXPECT_THAT(why_not(), HasSubstr("has no button 3"));
+    EXPECT_THAT(why_not(), HasSubstr("stop_button names button 3, which"));
 }
 
 TEST_F(ForceDimension, NamesTheFoldersItLookedInInVain) {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "master/devices/remote_handle.hpp"
+#include "common/ros2_settings.hpp"
 
 namespace thimble {
 namespace {
@@ -66,6 +66,20 @@ TEST(RealHandleSettings, OnlyAFalconsUserIsWaitedFor) {
     EXPECT_EQ(user_limit(handle_from("[handle]\ndevice = \"falcon\"\n")), std::chrono::seconds{60});
     EXPECT_EQ(user_limit(handle_from("[handle]\ndevice = \"falcon\"\nfalcon.homing_limit_s = 5\n")),
               std::chrono::seconds{5});
+}
+
+TEST(RealHandleSettings, ALimitSuitsTheDeviceWhereTheFileHasNone) {
+    EXPECT_EQ(handle_from("").force_limit_N, 12);
+    EXPECT_EQ(handle_from("[handle]\ndevice = 'touch'\n").force_limit_N, kTouchForce_N);
+    const HandleSettings haply =
+        handle_from("[handle]\ndevice = 'haply'\nforce_limit_N = 7\nhaply.force_key = 'vector'\n");
+    EXPECT_EQ(haply.force_limit_N, 7);
+    EXPECT_EQ(haply.haply.force_key, HaplyForceKey::kVector);
+    EXPECT_EQ(haply.haply.port, 10001);
+    EXPECT_TRUE(is_real(haply.kind));
+    EXPECT_EQ(user_limit(haply), std::chrono::seconds{60});
+    EXPECT_ANY_THROW(handle_from("[handle.haply]\nport = 0\n"));
+    EXPECT_ANY_THROW(handle_from("[handle.touch]\nstop_button = 5\n"));
 }
 
 TEST(RealHandleSettings, WhichFalconButtonStops) {

@@ -81,7 +81,7 @@ TEST(RemoteHandle, SilenceTakesForceAndSampleAndThenTheTrial) {
     EXPECT_EQ(handle.told_N, 0) << "no force for a hand that is not heard";
     EXPECT_TRUE(handle.tick({0.011}).valid);
     handle.silence(RemoteHandle::kLostAfter + kTick);
-    EXPECT_THAT(handle.fault(), HasSubstr("the driver has sent no position"));
+    EXPECT_THAT(handle.fault(), HasSubstr("the driver has sent no usable position"));
     EXPECT_FALSE(handle.tick({0.011}).valid) << "this trial has ended";
     handle.begin();
     EXPECT_EQ(handle.fault(), "");
@@ -146,7 +146,7 @@ TEST(RemoteHandle, AJumpThatLastsIsNeverTakenAndEndsTheTrial) {
     handle.tick({0.0});
     for (Duration passed{}; passed < RemoteHandle::kLostAfter + kTick; passed += kTick)
         EXPECT_EQ(handle.tick({0.05}).position_hand_m, 0);
-    EXPECT_THAT(handle.fault(), HasSubstr("no position that can be used for 300 ms"));
+    EXPECT_THAT(handle.fault(), HasSubstr("no usable position for 300 ms"));
     handle.now += kTick;
     EXPECT_FALSE(handle.take_stop(handle.now));
     handle.begin();

@@ -138,7 +138,7 @@ TEST_F(BoardActuatorTest, ASilentBoardIsTroubleAndOneThatSpeaksAgainIsNot) {
     turn(milliseconds{90});
     EXPECT_THAT(actuator.fault(), IsEmpty());
     turn(milliseconds{20});
-    EXPECT_THAT(actuator.fault(), HasSubstr("no good report for 100 ms"));
+    EXPECT_THAT(actuator.fault(), HasSubstr("no valid report for 100 ms"));
     EXPECT_EQ(actuator.output(now).finger, Finger::kNone);
     board_says({0, true, false, BoardFault::kNone, 900, 0});
     turn();
@@ -171,13 +171,13 @@ TEST_F(BoardActuatorTest, AStallOfThisComputerIsNoSilenceOfTheBoard) {
     turn();
     EXPECT_THAT(actuator.fault(), IsEmpty());
     turn(milliseconds{110});
-    EXPECT_THAT(actuator.fault(), HasSubstr("no good report"));
+    EXPECT_THAT(actuator.fault(), HasSubstr("no valid report"));
 }
 
 TEST_F(BoardActuatorTest, GarbledReportsAreNoSignOfLife) {
     for (int i = 0; i < 120; ++i) cable.said.push_back({2, 1, 0, 1, 0xff, 0xff, 0, 0, 0, 0});
     turn(milliseconds{120});
-    EXPECT_THAT(actuator.fault(), HasSubstr("no good report"));
+    EXPECT_THAT(actuator.fault(), HasSubstr("no valid report"));
     EXPECT_EQ(actuator.bad_reports(), 120U);
     EXPECT_EQ(actuator.output(now).force_N, 0);
 }

@@ -70,7 +70,7 @@ TEST_F(HidAttendantTest, AForbiddenDeviceIsNamedWithTheRuleThatOpensIt) {
     bus.forbidden = true;
     EXPECT_EQ(step(), HidConnection::kLookAgain);
     ASSERT_EQ(said.size(), 1U);
-    EXPECT_THAT(said[0], HasSubstr("SpaceMouse Compact (256f:c635) at /dev/hidraw0 may not be opened"));
+    EXPECT_THAT(said[0], HasSubstr("this user may not open SpaceMouse Compact (256f:c635) at /dev/hidraw0"));
     EXPECT_THAT(said[0], HasSubstr("Permission denied"));
     EXPECT_THAT(said[0], HasSubstr("70-thimble-hid.rules"));
     bus.forbidden = false;
@@ -97,9 +97,9 @@ TEST_F(HidAttendantTest, WhatIsNotTakenIsNamed) {
         const char* words;
     };
     for (const Case& c : {Case{{compact_cap("/dev/hidraw0", "A1"), compact_cap("/dev/hidraw1", "B2")},
-                               "/dev/hidraw1: name one with [handle.hid] device_id or serial"},
-                          Case{{mouse}, "CadMouse (256f:c650) at /dev/hidraw0 is no SpaceMouse"},
-                          Case{{pad}, "has no axis y: choose another with [handle.hid] axis"}}) {
+                               "/dev/hidraw1: name one in [handle.hid] device_id or serial"},
+                          Case{{mouse}, "CadMouse (256f:c650) at /dev/hidraw0 is not a SpaceMouse"},
+                          Case{{pad}, "has no axis y: choose another in [handle.hid] axis"}}) {
         bus.present = c.present;
         EXPECT_EQ(step(), HidConnection::kLookAgain);
         EXPECT_THAT(said.back(), HasSubstr(c.words));

@@ -5,7 +5,7 @@
 
 #include "common/error.hpp"
 #include "netem/packet_trace.hpp"
-#include "session/launch/session_bundle.hpp"
+#include "session/launch/remote_starter.hpp"
 #include "session/settings/system_settings.hpp"
 #include "tests/read_text.hpp"
 #include "tests/refusal.hpp"
@@ -114,7 +114,8 @@ TEST(OwnProgram, LiesBesideTheSessionFile) {
     EXPECT_EQ(settings.own_program(Role::kSlaveSim), std::filesystem::absolute(folder / "slave.py"));
     EXPECT_EQ(settings.own_program(Role::kMaster), "");
     EXPECT_EQ(settings.own_program_key(), "program_slave_sim");
-    EXPECT_THAT(refused("program_master = 'no.py'"), HasSubstr("no.py', where no program is"));
+    EXPECT_THAT(refused("program_master = 'no.py'"),
+                HasSubstr("no.py', but there is no program of that name"));
     EXPECT_THAT(refused("program_master = 'slave.py'\nmachine_visual = 'lab'"), HasSubstr("one machine"));
 }
 

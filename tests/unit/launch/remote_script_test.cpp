@@ -79,6 +79,14 @@ TEST_F(RemoteScript, SendsTheLogOfMessagesAfterTheReport) {
     EXPECT_TRUE(left_nothing());
 }
 
+TEST_F(RemoteScript, SendsTheLogOfEachTrialOfLockStep) {
+    program(
+        R"(log=${6%.mcap}; printf one > "${log}_trial01.mcap"; printf 'the second' > "${log}_trial02.mcap")");
+    RemoteOrder with = order();
+    with.messages = true;
+    EXPECT_THAT(run(with, kSession).output, HasSubstr("thimble: ended 0 01 3 02 10 13\nonethe second"));
+}
+
 // Where its input ends; or where nothing comes for the lease, as with a cable that was pulled: no end of file, but no lines either.
 TEST_F(RemoteScript, EndsTheProgram) {
     program("trap 'echo told to end >&2; exit 0' TERM\nwhile :; do sleep 0.05; done");
@@ -162,9 +170,11 @@ class Diverted : public testing::Test {
     // The whole output, and its part that went to `file`.
     std::string run(const std::string& script, const fs::path& file) {
         RemoteShell shell({"sh", "-c", script}, folder_ / "log");
-        shell.divert_after("turn:", file);
+        shell.divert_after("turn:", [&](const auto& numbers) {
+            return RemoteShell::Files{{file, numbers.front()}, {folder_ / "second", numbers.back()}};
+        });
         while (!shell.poll()) wall_sleep(std::chrono::milliseconds{1});
-        numbers_ = shell.diverted().value_or("none");
+        numbers_ = shell.diverted();
         in_file_ = shell.in_file();
         fault_ = shell.fault();
         return shell.said();
@@ -172,15 +182,16 @@ class Diverted : public testing::Test {
     std::string kept() const { return read_text(folder_ / "kept"); }
 
     const TemporaryDirectory folder_;
-    std::string numbers_, fault_;
+    std::optional<RemoteShell::Numbers> numbers_;
+    std::string fault_;
     std::uint64_t in_file_ = 0;
 };
 
-TEST_F(Diverted, WhatFollowsTheWordGoesToTheFile) {
+TEST_F(Diverted, WhatFollowsTheWordGoesToTheFiles) {
     EXPECT_EQ(run("echo a turn: no; echo turn: 3 10; echo turn: 5; printf '\\000x'", folder_ / "kept"),
               "a turn: no\n");
-    EXPECT_EQ(numbers_, " 3 10");
-    EXPECT_EQ(kept(), std::string("turn: 5\n\0x", 10));
+    EXPECT_EQ(numbers_, (RemoteShell::Numbers{3, 10}));
+    EXPECT_EQ(kept() + "|" + read_text(folder_ / "second"), std::string("tur|n: 5\n\0x", 11));
     EXPECT_EQ(in_file_, 10U);
 }
 
@@ -194,7 +205,7 @@ TEST_F(Diverted, NothingMakesNoFile) {
     EXPECT_EQ(run("echo turn: 0", folder_ / "kept"), "");
     EXPECT_FALSE(fs::exists(folder_ / "kept"));
     EXPECT_EQ(run("echo all", folder_ / "kept"), "all\n");
-    EXPECT_EQ(numbers_, "none");
+    EXPECT_EQ(numbers_, std::nullopt);
 }
 
 TEST_F(Diverted, WhatCannotBeWrittenIsMissing) {
@@ -205,7 +216,7 @@ TEST_F(Diverted, WhatCannotBeWrittenIsMissing) {
 // None of these ends by itself: the launcher ends it, and says which limit it did not keep.
 TEST_F(Diverted, AShellThatSaysTooMuchIsCutOff) {
     run("yes turn", folder_ / "kept");
-    EXPECT_THAT(fault_, HasSubstr("says more than 1048576 bytes"));
+    EXPECT_THAT(fault_, HasSubstr("sends more than 1048576 bytes"));
     run("echo turn: 10; yes", folder_ / "kept");
     EXPECT_THAT(fault_, HasSubstr("sends more than the 10 bytes that it announced"));
     EXPECT_EQ(fs::file_size(folder_ / "kept"), 10U);
@@ -219,14 +230,16 @@ TEST_F(Diverted, TheFilesOfAllShellsShareHalfOfTheRoom) {
     const std::uint64_t third = fs::space(folder_ / "").available / 3;
     const std::vector<std::string> command{"sh", "-c", fmt::format("echo turn: {}; exec cat", third)};
     const auto fault_of = [](RemoteShell& shell, const fs::path& file) {
-        shell.divert_after("turn:", file);
+        shell.divert_after("turn:", [&](const auto& numbers) {
+            return RemoteShell::Files{{file, numbers.back()}};
+        });
         while (!shell.diverted() && !shell.poll()) wall_sleep(std::chrono::milliseconds{1});
         return shell.fault();
     };
     {
         RemoteShell first(command, folder_ / "log"), second(command, folder_ / "log");
         EXPECT_EQ(fault_of(first, folder_ / "a"), "");
-        EXPECT_THAT(fault_of(second, folder_ / "b"), HasSubstr("more than half of the room"));
+        EXPECT_THAT(fault_of(second, folder_ / "b"), HasSubstr("more than half of the free space"));
     }
     RemoteShell third_shell(command, folder_ / "log");
     EXPECT_EQ(fault_of(third_shell, folder_ / "c"), "");

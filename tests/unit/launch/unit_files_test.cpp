@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "common/process/child.hpp"
-#include "session/launch/port_table.hpp"
 #include "tests/read_text.hpp"
 #include "tests/refusal.hpp"
 
@@ -48,7 +47,7 @@ TEST(UnitFiles, SayWhatANodeNeedsAndNoMore) {
     }
 }
 
-// deploy/systemd/thimble-node@.service is for whoever has no `thimble run`: what protects the machine must be the same.
+// deploy/systemd/thimble-node@.service is for machines without `thimble run`, and protects them in the same way.
 TEST(UnitFiles, TheTemplateOfThePackageProtectsAsTheseDo) {
     const std::string unit = unit_files(plan()).front().text;
     const std::size_t begin = unit.find("DynamicUser="), end = unit.find("SystemCallErrorNumber=");
@@ -97,11 +96,6 @@ TEST(UnitFiles, AreGoodUnits) {
         EXPECT_EQ(result.exit_code, 0) << result.output;
         EXPECT_THAT(result.output, Not(HasSubstr(file.name))) << "a line it does not understand";
     }
-}
-
-// The port table that laboratories open their firewalls by is the one of the program.
-TEST(PortTable, StandsInTheManual) {
-    EXPECT_THAT(read_text(THIMBLE_SOURCE_DIR "/docs/machines.md"), HasSubstr(port_table({})));
 }
 
 TEST(PortTable, TheProtocolPageSaysTheSame) {

@@ -11,7 +11,6 @@
 
 #include "common/codec.hpp"
 #include "thimble/link_test/echo_responder.hpp"
-#include "thimble/link_test/port_traffic.hpp"
 
 namespace thimble {
 namespace {

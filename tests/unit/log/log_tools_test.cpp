@@ -1,4 +1,4 @@
-// What `thimble log` makes of files: checks, merging, tables, JSON, repair.
+// The tools of `thimble log`: checks, merging, tables, JSON, repair.
 #include "thimble/log/log_tools.hpp"
 
 #include <algorithm>
@@ -55,8 +55,9 @@ TEST_F(LogTools, WhatIsNotGoodIsNamed) {
                                   }}));
     EXPECT_EQ(finding.missing_sent, 2U);
     EXPECT_EQ(finding.backward, 1U);
-    EXPECT_THAT(finding.problems, ElementsAre(HasSubstr("go back 1 times"), HasSubstr("lost 1 messages"),
-                                              HasSubstr("2 messages were sent and are not in the log")));
+    EXPECT_THAT(finding.problems,
+                ElementsAre(HasSubstr("go back 1 times"), HasSubstr("1 messages are missing"),
+                            HasSubstr("2 messages were sent but are not in the log")));
 }
 
 TEST_F(LogTools, SentIsReceivedPlusLost) {
@@ -150,9 +151,9 @@ TEST_F(LogTools, WhatIsLostHasANameInTheRelaysReport) {
     EXPECT_EQ(problem_with(needle_link_report(290, 700)), "");
     EXPECT_EQ(check_relay({flow}, report).front().names, "290 lost, 10 queue_full");
     EXPECT_THAT(problem_with(needle_link_report(90, 700)),
-                HasSubstr("200 packets are neither delivered nor lost"));
+                HasSubstr("200 packets are neither delivered nor counted as lost"));
     EXPECT_THAT(problem_with(needle_link_report(90, 900)),
-                HasSubstr("200 packets were lost behind the relay"));
+                HasSubstr("200 packets were lost after the relay"));
     EXPECT_THAT(problem_with(needle_link_report(390, 700)), HasSubstr("-100 packets are neither"));
     flow.sent = 1200;
     EXPECT_THAT(problem_with(needle_link_report(290, 700)), HasSubstr("200 packets were lost before"));
@@ -326,7 +327,7 @@ TEST(LogUnits, AreInTheNames) {
     EXPECT_EQ(unit_of("trial"), "");
 }
 
-// So many chunks that their index does not stay in memory: the file has the same bytes as one whose index did.
+// With many chunks the index leaves memory: the file has the same bytes as with an index in memory.
 TEST(LogFiles, ALongIndexIsSetAside) {
     const auto write = [](McapSink& sink) {
         McapWriter writer(sink, "test");

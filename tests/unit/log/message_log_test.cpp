@@ -210,7 +210,7 @@ TEST(MessageLog, AFullDiskIsToldAndKeepsWhatWasWritten) {
         master.pass(500);  // 200 kB
         while (master.log.fault().empty() && wall_now() < patience) wall_sleep(kLogPeriod / 4);
         EXPECT_THAT(std::string(master.log.fault()),
-                    HasSubstr("master.mcap' cannot be written: File too large; make room"));
+                    HasSubstr("master.mcap' cannot be written: File too large; free disk space"));
         EXPECT_LT(master.log.fault().size(), sizeof(DeviceFault::text));
         const LogCounters counters = master.log.close();
         EXPECT_GT(counters.lost, 0U);

@@ -23,7 +23,7 @@ constexpr Duration kSample = milliseconds{1};
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Measures what it is told to, and records its commands.
+// Returns set measurements, and records its commands.
 class NotingHandle final : public HapticDevice {
   public:
     HandleSample read(SessionTime) override { return sample; }
@@ -224,7 +224,7 @@ TEST(GuardedHandle, TheFirstReasonOfATripStaysUntilTheNextTrial) {
     for (const double wanted_N : {0.0, kNan}) {
         guarded.observe({}, {kNan, 0});
         guarded.pass(0, wanted_N);
-        EXPECT_EQ(guarded.guard.text(), "the handle's own measurement is no number");
+        EXPECT_EQ(guarded.guard.text(), "the handle reports a value that is not a number");
     }
 }
 

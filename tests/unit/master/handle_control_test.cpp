@@ -27,11 +27,11 @@ ControlSettings of(Compensator compensator) {
 }
 
 // In a trial of the handle modality.
-HandleControl started(Compensator compensator) {
-    HandleControl control(of(compensator), kPaperScale);
-    control.start(true, {});
-    return control;
-}
+struct Started : HandleControl {
+    explicit Started(Compensator compensator) : HandleControl(of(compensator), kPaperScale) {
+        start(true, {});
+    }
+};
 
 TEST(HandleControl, WorksInTheHandleModalityOnly) {
     for (std::size_t i = 0; i < kBuiltInCompensators.size(); ++i) {
@@ -54,7 +54,7 @@ TEST(HandleControl, WorksInTheHandleModalityOnly) {
 }
 
 TEST(HandleControl, AWishIsMetAsFarAsTheBoundAllows) {
-    HandleControl control = started(Compensator::kLeastConservative);
+    Started control(Compensator::kLeastConservative);
     control.sample(SessionTime{}, {0, 0});
     control.take(pushes(5));
     EXPECT_EQ(control.force_N(), 0) << "nothing has been put in";
@@ -71,20 +71,24 @@ TEST(HandleControl, AWishIsMetAsFarAsTheBoundAllows) {
 }
 
 TEST(HandleControl, ALocalFixtureActsAtOnceAndIsForgottenInSilence) {
-    HandleControl control = started(Compensator::kLocalFixture);
+    Started control(Compensator::kLocalFixture);
     control.sample(SessionTime{}, {0.039, 0});
     EXPECT_EQ(control.force_N(), 0);
     control.take(pushes(3, 0.12));  // at 40 mm of hand with 3 N: the plane is at 39 mm
     EXPECT_EQ(control.force_N(), 0);
     control.sample(SessionTime{milliseconds{1}}, {0.0395, 0});
     EXPECT_NEAR(control.force_N(), 1.5, 1e-9);
-    control.forget();
+    ForceFeedback held;
+    held.needle_held = true;
+    control.take(held);
     EXPECT_EQ(control.force_N(), 0);
     ForceFeedback strong = pushes(3);
     strong.force_tissue_N = -kPaperScale.force_limit_N;
     control.take(strong);
-    control.sample(SessionTime{milliseconds{2}}, {0.0395, 0});
+    control.sample(SessionTime{milliseconds{2}}, {0.0405, 0});
     EXPECT_EQ(control.force_N(), kPaperScale.force_limit_N) << "no more than the handle may get";
+    control.forget();
+    EXPECT_EQ(control.force_N(), 0);
 }
 
 // The tick of the sample cannot know its own answer: one wave later at the least.
@@ -194,6 +198,33 @@ TEST(HandleControl, ATrialKnowsNothingOfTheOneBefore) {
                 each->take(pushes(3));
             }
             ASSERT_EQ(used.force_N(), fresh.force_N()) << kCompensatorNames[i];
+        }
+    }
+}
+
+thimble_handle told{};  // the newest sample, to a controller of the user
+
+thimble_controller listener() {
+    thimble_controller table{};
+    table.create = [](const thimble_controller_settings*) -> void* { return &told; };
+    table.destroy = [](void*) {};
+    table.start = [](void*, double) {};
+    table.sample = [](void*, const thimble_handle* handle, thimble_packet*) { told = *handle; };
+    table.force = [](void*, const thimble_feedback*) { return 0.0; };
+    return table;
+}
+
+TEST(HandleControl, TheTimeOfEachTrialBeginsAtZero) {
+    const thimble_controller table = listener();
+    ControlSettings settings = of(Compensator::kPlugin);
+    settings.plugin.table = &table;
+    HandleControl control(settings, kPaperScale);
+    for (const int begin_ms : {0, 5000}) {
+        control.start(true, {});
+        for (const int ms : {0, 3}) {
+            control.sample(SessionTime{milliseconds{begin_ms + ms}}, {0, 0});
+            EXPECT_DOUBLE_EQ(told.time_s, 1e-3 * ms);
+            EXPECT_DOUBLE_EQ(told.elapsed_s, 1e-3 * ms);
         }
     }
 }

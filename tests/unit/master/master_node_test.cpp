@@ -49,6 +49,15 @@ TEST_F(MasterInTrial, AForceThatIsTooOldCountsAsNone) {
     EXPECT_EQ(take(152, 2), 4);
 }
 
+TEST_F(MasterInTrial, AForceFadesWhileAllOthersComeTooLate) {
+    EXPECT_EQ(take(60, 10), 4);
+    EXPECT_EQ(take(165, 10), std::nullopt) << "5 ms older than counts";
+    EXPECT_EQ(take(170, 15), std::nullopt);
+    EXPECT_DOUBLE_EQ(node.fade(after(170)).value(), 2);
+    EXPECT_EQ(take(180, 25), std::nullopt);
+    EXPECT_EQ(node.fade(after(180)), 0);
+}
+
 TEST_F(MasterInTrial, AfterAPauseItsForceIsGoneUntilTheNextOne) {
     EXPECT_EQ(take(60, 10), 4);
     node.begin_tick(milliseconds{101});

@@ -1,4 +1,5 @@
-// What a stream of packets gets: the shape as its marginal, whatever the correlation; and the correlation.
+// The delays of a stream of packets: the shape is their marginal distribution for any correlation; and the
+// correlation.
 #include "netem/stages/jitter.hpp"
 
 #include <cmath>

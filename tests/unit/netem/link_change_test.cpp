@@ -36,6 +36,22 @@ TEST(LinkChange, FollowsItsTimelineFromTheStart) {
     }
 }
 
+// As push() and pop_due() do, but for a packet that needs no block.
+TEST(LinkChange, PassesAPacketOnlyWhileNothingDelaysIt) {
+    LinkModel link(delayed({}), kKey, 0, kSteps);
+    EXPECT_TRUE(link.passes(at(milliseconds{9})));
+    EXPECT_FALSE(link.passes(at(milliseconds{10})));  // the timeline delays from now on
+    link.change(at(milliseconds{11}), delayed({}));
+    link.push(at(milliseconds{11}), NumberedPacket(1).bytes());
+    EXPECT_FALSE(link.passes(at(milliseconds{11})));  // one is before it
+    EXPECT_FALSE(link.pop_due(at(milliseconds{11})).empty());
+    EXPECT_TRUE(link.passes(at(milliseconds{11})));
+    EXPECT_EQ(link.counters().pushed, 3U);
+    EXPECT_EQ(link.counters().delivered, 3U);
+    EXPECT_EQ(link.delays().count, 3U);
+    EXPECT_EQ(link.delays().max, Duration{});
+}
+
 TEST(LinkChange, MayChangeTheOrder) {
     LinkSettings free = delayed(milliseconds{1});
     free.in_order = false;

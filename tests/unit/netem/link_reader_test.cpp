@@ -118,7 +118,7 @@ TEST(LinkSettings, RefusesWhatContradictsItself) {
         {four + "p13 = 0.6, p14 = 0.6}", "p14"},
         {"reorder = 0.1", "in_order = false"},
         {"rate_bits_per_s = 0.5", "at least 1"},
-        {"rate_queue_packets = 3", "nothing ever waits"},
+        {"rate_queue_packets = 3", "no packet waits"},
         {"deliveries = \"x\"\nrate_bits_per_s = 1e6", "remove one"},
         {"deliveries = \"x\"\nslot_most_s = 0.1", "remove one"},
         {"slot_least_s = 0.2\nslot_most_s = 0.1", "must not be below slot_least_s"},

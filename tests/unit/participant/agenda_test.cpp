@@ -161,7 +161,7 @@ TEST_F(CountedTrialsTest, EveryReason) {
     EXPECT_THAT(words, Contains(HasSubstr("2 of 7 records of 1 participant")));
     EXPECT_THAT(words, Contains(HasSubstr("sub-02 trial 3 (record 5): phone rang")));
     EXPECT_THAT(words, Contains(HasSubstr("peer_lost_visual")));
-    EXPECT_THAT(words, Contains(HasSubstr("without a record that counts: 2")));
+    EXPECT_THAT(words, Contains(HasSubstr("without a valid record: 2")));
 }
 
 TEST_F(CountedTrialsTest, AWholeSessionCountsWhole) {

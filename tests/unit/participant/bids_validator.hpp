@@ -1,4 +1,4 @@
-// npm's bids-validator, where deploy/install-bids-validator has put it.
+// npm's bids-validator, where deploy/install-validators has put it.
 #pragma once
 
 #include <cstdlib>

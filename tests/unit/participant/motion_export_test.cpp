@@ -1,6 +1,4 @@
 // Movements for others, in the layout of Motion-BIDS, judged by BIDS' own validator.
-#include "session/participant/motion_export.hpp"
-
 #include <cmath>
 #include <vector>
 
@@ -9,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "session/participant/dataset.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
 #include "tests/read_text.hpp"
@@ -20,7 +19,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// A study of two subjects with a trial each, of which the second has no trajectory.
+// A study of two subjects with a trial each; the second trial has no trajectory.
 class MotionBids : public testing::Test {
   protected:
     MotionBids() {
@@ -105,7 +104,7 @@ TEST_F(MotionBids, WhatFailsLeavesNothingBehind) {
 
 TEST_F(MotionBids, TheirValidatorFindsNoError) {
     if (bids_validator().empty())
-        GTEST_SKIP() << "bids-validator is not installed: deploy/install-bids-validator does that where "
+        GTEST_SKIP() << "bids-validator is not installed: deploy/install-validators does that where "
                         "there is npm (package npm)";
     export_motion(study(), bids());
     const auto said = folder_ / "said";

@@ -148,7 +148,7 @@ TEST_F(ParticipantSessionTest, AParticipantAloneBeginsEachTrialAndTheEndComesByI
     subject_goes_on_ = trials_.presses = true;
     EXPECT_EQ(run_to_end().code, ExitCode::kOk);
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5));
-    EXPECT_THAT(said_, Contains(HasSubstr("The participant goes on")).Times(testing::Ge(5)));
+    EXPECT_THAT(said_, Contains(HasSubstr("The participant continues at the screen")).Times(testing::Ge(5)));
     EXPECT_GE(trials_.clock - SessionTime{}, seconds{5 * 10 + 2 * 30}) << "a key shortens no break";
 }
 
@@ -273,10 +273,10 @@ TEST_F(ParticipantSessionTest, TheExperimenterMayStop) {
         std::vector<std::uint32_t> done{1};
     };
     settings_.break_minimum = std::chrono::hours{1};
-    for (const Case& c :
-         {Case{{"", "", "q"}, {"another 3600 s"}},
-          Case{{"", "nonsense", "r"}, {"'nonsense' is no command", "say why", "nobody answers"}},
-          Case{{"q"}, {"next: trial 1"}, {}}}) {
+    for (const Case& c : {Case{{"", "", "q"}, {"continues for 3600 s"}},
+                          Case{{"", "nonsense", "r"},
+                               {"'nonsense' is not a command", "a reason is missing", "no more answers"}},
+                          Case{{"q"}, {"next: trial 1"}, {}}}) {
         std::filesystem::remove(dataset_.records(2));
         trials_.prepared = 0;
         WrittenLines lines(c.lines);
@@ -349,8 +349,8 @@ TEST_F(ParticipantSessionTest, WhileAStopHoldsTheLastTrialIsRejectedOrExcluded) 
         EXPECT_EQ(marks[0].record, 2U);
         EXPECT_EQ(marks[0].kind, rejected ? ExclusionKind::kRejected : ExclusionKind::kExcluded);
         EXPECT_EQ(marks[0].reason, mark.substr(2));
-        EXPECT_THAT(said_, Contains("nothing begins before the stop is released"));
-        EXPECT_THAT(said_, Contains("'nonsense' is no command"));
+        EXPECT_THAT(said_, Contains("release the stop before anything begins"));
+        EXPECT_THAT(said_, Contains("'nonsense' is not a command"));
         EXPECT_EQ(result.records, rejected ? 6U : 5U) << "who excludes a trial wants it no more";
     }
 }
@@ -360,7 +360,7 @@ TEST_F(ParticipantSessionTest, WhileAStopHoldsAWatcherMayHaveTheTrialLeftOut) {
     rests_ = false;
     settings_.break_every = 0;
     trials_.outcomes = {EndReason::kEmergencyStop};
-    WishAfter exclude(trials_, 1, "x asked for at the experimenter's view");
+    WishAfter exclude(trials_, 1, "x requested in the experimenter's view");
     WishAfter release(trials_, 1, "release");
     TwoLineSources requests(exclude, release);
     wishes_ = &requests;

@@ -139,7 +139,7 @@ TEST_F(Questions, TheExperimenterLeavesOneOutOrStops) {
     const auto stopped = run("", &stops);
     EXPECT_NE(stopped.code, ExitCode::kOk);
     EXPECT_THAT(phenotype("about.tsv"), HasSubstr("\tn/a\n"));
-    EXPECT_THAT(said_, Contains(HasSubstr("s: leave this question out")));
+    EXPECT_THAT(said_, Contains(HasSubstr("s: skip this question")));
     EXPECT_EQ(phenotype("load_block1.tsv"),
               "participant_id\ttime_utc\teffort\thand\nsub-02\tn/a\tn/a\tn/a\n");
     trials_.events.clear();
@@ -154,7 +154,8 @@ TEST_F(Questions, ARejectedTrialPutsOffTheQuestionsOfItsBlock) {
     EXPECT_NE(run("", &stops).code, ExitCode::kOk);
     EXPECT_THAT(trials_.events, ElementsAre("question 2", "trial 1001", "trial 1", "trial 2", "question 3",
                                             "trial 2", "question 3", "question 4"));
-    EXPECT_THAT(said_, AllOf(Contains("say why, e.g.: r sneezed"), Contains("trial 3 is rejected: sneezed"),
+    EXPECT_THAT(said_, AllOf(Contains("a reason is missing, e.g.: r sneezed"),
+                             Contains("trial 3 is rejected: sneezed"),
                              Contains(HasSubstr("questionnaire load comes after the repeat")),
                              Contains("trial 3 is excluded: late")));
     EXPECT_THAT(phenotype("load_block1.tsv"), HasSubstr("Z\tn/a\tn/a\n"));
@@ -206,8 +207,8 @@ TEST_F(Questions, AnEmergencyStopInTheConsentPageIsSaidAtOnce) {
     EXPECT_EQ(ask_consent(asker, pages_), Consent::kStopped);
     EXPECT_THAT(said_, ElementsAre(HasSubstr("consent, version v2"),
                                    "emergency stop (visual): a key, or type 'release'",
-                                   "nothing begins before the stop is released", "released",
-                                   "the participant answers at the screen; q: stop here"));
+                                   "release the stop before anything begins", "released",
+                                   "the participant answers at the screen; q: quit"));
     EXPECT_EQ(trials_.shown.kind, PageKind::kQuestion) << "it comes back";
 }
 
@@ -311,13 +312,13 @@ TEST_F(Questions, CorrectionsLeaveALineAndTheAnalysisHonoursThem) {
         EXPECT_FALSE(refusal(change, ExitCode::kUsage).empty());
     }
     const auto silent = [&] { exclude_trial(dataset_.folder(), "P02", 2, {"LS", " ", ""}); };
-    EXPECT_THAT(refusal(silent, ExitCode::kUsage), HasSubstr("say why"));
+    EXPECT_THAT(refusal(silent, ExitCode::kUsage), HasSubstr("only with a reason: give --reason"));
 }
 
 // npm's bids-validator over a whole dataset with consent, questionnaires, attention trials and a correction.
 TEST_F(Questions, BidsValidatorFindsNoErrorInADatasetWithAnswers) {
     if (bids_validator().empty())
-        GTEST_SKIP() << "bids-validator is not installed: deploy/install-bids-validator does that where "
+        GTEST_SKIP() << "bids-validator is not installed: deploy/install-validators does that where "
                         "there is npm (package npm)";
     trials_.answers = {31, 45, 2, 50, 1, 7};
     run("attention_every = 3\n[dataset]\nauthors = ['Somebody']\nlicense = 'CC0'\n");

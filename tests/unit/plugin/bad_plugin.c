@@ -2,6 +2,7 @@
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/random.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -11,12 +12,12 @@
 #define BAD_ABI THIMBLE_CONTROLLER_ABI
 #endif
 
-enum fault { NONE, CRASH, NOT_A_NUMBER, HANG, ALLOCATE, CLOCK, RANGE, LEAVE, REFUSE, GLOBAL, ACTIVE, REMEMBER, ABORT };
+enum fault { NONE, CRASH, NOT_A_NUMBER, HANG, ALLOCATE, CLOCK, RANGE, LEAVE, REFUSE, GLOBAL, ACTIVE, REMEMBER, ABORT, RANDOM, FAR, ECHO, SHARED_SLAVE, OLD_SLAVE, HANG_IN_CREATE, HANG_IN_DESTROY };
 
 struct bad {
     enum fault fault;
     int samples;
-    double speed_m_per_s;
+    double speed_m_per_s, position_m;
 };
 
 static double shared;
@@ -24,9 +25,16 @@ static double shared;
 static void* create(const thimble_controller_settings* settings) {
     struct bad* bad = calloc(1, sizeof *bad);
     bad->fault = (enum fault)settings->values[0];
+    while (bad->fault == HANG_IN_CREATE) pause();
     if (bad->fault != REFUSE) return bad;
     free(bad);
     return NULL;
+}
+
+static void destroy(void* self) {
+    const struct bad* bad = self;
+    while (bad->fault == HANG_IN_DESTROY) pause();
+    free(self);
 }
 
 static void start(void* self, double network_delay_s) {
@@ -47,6 +55,8 @@ static void sample(void* self, const thimble_handle* handle, thimble_packet* out
         char* volatile name = malloc(7);
         free(name);
     }
+    unsigned char drawn = 0;
+    if (bad->fault == RANDOM && getrandom(&drawn, 1, 0) < 0) abort();
 }
 
 static double force(void* self, const thimble_feedback* newest) {
@@ -77,16 +87,34 @@ static double force(void* self, const thimble_feedback* newest) {
 
 #ifdef BOTH_ENDS
 static uint32_t receive_slave(void* self, const thimble_command* command, const thimble_packet* packet) {
-    (void)self, (void)command, (void)packet;
+    struct bad* bad = self;
+    (void)packet;
+    bad->position_m = command->position_hand_m;
+    ++bad->samples;
     return 1;
 }
 
 static double step_slave(void* self, const thimble_surroundings* surroundings) {
-    (void)self, (void)surroundings;
-    return 0;
+    const struct bad* bad = self;
+    (void)surroundings;
+    switch (bad->fault) {
+        case FAR:
+            return 1e3;
+        case ECHO:
+            return bad->position_m;
+        case SHARED_SLAVE:
+            return shared += 1e-6;
+        case OLD_SLAVE:
+            return bad->samples * 1e-6;
+        default:
+            return 0;
+    }
 }
 
-static void start_slave(void* self) { (void)self; }
+static void start_slave(void* self) {
+    struct bad* bad = self;
+    if (bad->fault != OLD_SLAVE) bad->samples = 0;
+}
 
 static void answer_slave(void* self, const thimble_feedback* felt, thimble_packet* out) {
     (void)self, (void)felt, (void)out;
@@ -94,13 +122,13 @@ static void answer_slave(void* self, const thimble_feedback* felt, thimble_packe
 #endif
 
 const thimble_controller* thimble_controller_table(void) {
-    static const thimble_controller_key keys[] = {{"fault_number", NONE, NONE, ABORT, "What it does wrong."}};
+    static const thimble_controller_key keys[] = {{"fault_number", NONE, NONE, HANG_IN_DESTROY, "What it does wrong."}};
     static const thimble_controller table = {
         .abi = BAD_ABI,
 #ifdef BOTH_ENDS
         .capabilities = THIMBLE_BOTH_ENDS,
         .create_slave = create,
-        .destroy_slave = free,
+        .destroy_slave = destroy,
         .start_slave = start_slave,
         .receive_slave = receive_slave,
         .step_slave = step_slave,
@@ -112,7 +140,7 @@ const thimble_controller* thimble_controller_table(void) {
         .keys = keys,
         .key_count = 1,
         .create = create,
-        .destroy = free,
+        .destroy = destroy,
         .start = start,
         .sample = sample,
         .force = force,

@@ -12,10 +12,10 @@ namespace {
 using testing::HasSubstr;
 
 // The rules that a fault breaks.
-std::string broken(Fault fault, Duration limit = std::chrono::seconds{60}) {
+std::string broken(Fault fault, Duration limit = std::chrono::seconds{60}, const char* name = "bad") {
     std::string text;
     for (const PluginFinding& finding :
-         check_plugin(plugin_file("bad"), {static_cast<double>(fault)}, limit).findings)
+         check_plugin(plugin_file(name), {static_cast<double>(fault)}, limit).findings)
         if (!finding.kept) text += finding.rule + ": " + finding.words + "\n";
     return text;
 }
@@ -29,18 +29,28 @@ TEST(PluginCheck, TheExampleKeepsAllRules) {
 }
 
 TEST(PluginCheck, EachFaultIsNamed) {
-    EXPECT_THAT(broken(Fault::kAllocate), HasSubstr("asked for or released memory"));
+    EXPECT_THAT(broken(Fault::kAllocate), HasSubstr("allocated or freed memory"));
     EXPECT_THAT(broken(Fault::kClock), HasSubstr("read a clock"));
-    EXPECT_THAT(broken(Fault::kRange), HasSubstr("stays in range: force() gave 1e+06 N"));
-    EXPECT_THAT(broken(Fault::kNotANumber), HasSubstr("are no numbers"));
-    EXPECT_THAT(broken(Fault::kGlobal), HasSubstr("other forces from sample"));
+    EXPECT_THAT(broken(Fault::kRandom), HasSubstr("random numbers"));
+    EXPECT_THAT(broken(Fault::kRange), HasSubstr("stays in range: force() returned 1e+06 N"));
+    EXPECT_THAT(broken(Fault::kNotANumber), HasSubstr("are not finite numbers"));
+    EXPECT_THAT(broken(Fault::kGlobal), HasSubstr("different values from sample"));
     EXPECT_THAT(broken(Fault::kRemember), HasSubstr("depends on the trial before"));
     EXPECT_THAT(broken(Fault::kActive), HasSubstr("is passive, as it says: it gave out"));
     EXPECT_THAT(broken(Fault::kCrash), HasSubstr("crashed in sample()"));
     EXPECT_THAT(broken(Fault::kLeave), HasSubstr("exit code 0"));
     EXPECT_THAT(broken(Fault::kRefuse), HasSubstr("create()"));
     EXPECT_THAT(broken(Fault::kHang, std::chrono::milliseconds{300}),
-                HasSubstr("did not come back from force()"));
+                HasSubstr("did not return from force()"));
+}
+
+TEST(PluginCheck, FaultsOfTheSlavesEndAreNamedToo) {
+    const auto slave = [](Fault fault) { return broken(fault, std::chrono::seconds{60}, "two_ends"); };
+    EXPECT_EQ(slave(Fault::kNone), "");
+    EXPECT_THAT(slave(Fault::kFar), HasSubstr("stays in range: step_slave() returned 1000 m"));
+    EXPECT_THAT(slave(Fault::kEcho), HasSubstr("hostile input: with the hand at nan m"));
+    EXPECT_THAT(slave(Fault::kSharedSlave), HasSubstr("the same inputs return different values from sample"));
+    EXPECT_THAT(slave(Fault::kOldSlave), HasSubstr("depends on the trial before"));
 }
 
 TEST(PluginCheck, OneThatCannotBeLoadedIsOneFinding) {

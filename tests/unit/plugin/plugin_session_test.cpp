@@ -11,7 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/control/controller_ends.hpp"
-#include "common/process/apart.hpp"
+#include "common/process/isolated.hpp"
 #include "common/process/sandbox.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "study/board/board_row.hpp"
@@ -58,8 +58,8 @@ TEST(PluginSession, OneThatGivesNoNumbersIsSaid) {
     trial_with(bad(Fault::kNotANumber));
     spdlog::default_logger()->flush();
     const std::string said = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
-    EXPECT_THAT(said, HasSubstr("bad.so gave"));
-    EXPECT_THAT(said, HasSubstr("that are no numbers"));
+    EXPECT_THAT(said, HasSubstr("bad.so returned"));
+    EXPECT_THAT(said, HasSubstr("that are not numbers"));
     EXPECT_THROW(run_board_trial(with_control(paper(), bad(Fault::kNotANumber)), 1, 1), Error);
 }
 
@@ -97,7 +97,7 @@ TEST(PluginSession, APythonControllerThatHangsIsEnded) {
 
 TEST(PluginSession, OneThatDoesNotComeBackIsEndedAndNamed) {
     const SystemSettings settings = with_control(paper(), bad(Fault::kHang));
-    const ApartResult apart = run_apart(
+    const IsolatedResult apart = run_isolated(
         [&] {
             VirtualSession session(settings);
             session.run(trial_of(Modality::kHF));
@@ -105,7 +105,7 @@ TEST(PluginSession, OneThatDoesNotComeBackIsEndedAndNamed) {
         },
         std::chrono::milliseconds{500});
     EXPECT_FALSE(apart.bytes);
-    EXPECT_THAT(apart.failure, HasSubstr("bad.so: did not come back from force()"));
+    EXPECT_THAT(apart.failure, HasSubstr("bad.so: did not return from force()"));
     EXPECT_THAT(apart.failure, HasSubstr("took longer than 0.5 s"));
 }
 
@@ -134,13 +134,13 @@ TEST(PluginSession, OneWithTwoEndsDoesNotGoWithACodec) {
     };
     EXPECT_NO_THROW(load(""));
     EXPECT_THAT(refusal([&] { load("force = 'every-nth'"); }, ExitCode::kUsage),
-                HasSubstr("'codec.force' does not go with a plug-in that has two ends"));
+                HasSubstr("'codec.force' does not work with a plug-in that has two ends"));
 }
 
 TEST(Apart, BringsWhatTheWorkGivesOrWhyItFailed) {
-    EXPECT_EQ(run_apart([] { return std::string(300'000, 'x'); }).bytes, std::string(300'000, 'x'));
-    const ApartResult thrown =
-        run_apart([]() -> std::string { throw Error(ExitCode::kData, "no such row"); });
+    EXPECT_EQ(run_isolated([] { return std::string(300'000, 'x'); }).bytes, std::string(300'000, 'x'));
+    const IsolatedResult thrown =
+        run_isolated([]() -> std::string { throw Error(ExitCode::kData, "no such row"); });
     EXPECT_EQ(thrown.failure, "no such row");
 }
 
@@ -148,7 +148,7 @@ TEST(Apart, BringsWhatTheWorkGivesOrWhyItFailed) {
 TEST(Apart, OneThatIsEndedTakesAlongWhatItStarted) {
     std::array<int, 2> ends{};
     ASSERT_EQ(pipe(ends.data()), 0);
-    run_apart(
+    run_isolated(
         []() -> std::string {
             if (fork() >= 0)
                 for (;;) pause();
@@ -168,14 +168,14 @@ TEST(Apart, OneThatHangsCostsNoOtherItsAnswer) {
     std::atomic<bool> over = false;
     std::thread other([&] {
         while (!over)
-            run_apart(
+            run_isolated(
                 []() -> std::string {
                     for (;;) pause();
                 },
                 std::chrono::milliseconds{20});
     });
     for (int i = 0; i < 40; ++i)
-        EXPECT_EQ(run_apart([] { return std::string("good"); }, std::chrono::seconds{20}).bytes, "good");
+        EXPECT_EQ(run_isolated([] { return std::string("good"); }, std::chrono::seconds{20}).bytes, "good");
     over = true;
     other.join();
 }
@@ -201,7 +201,7 @@ TEST(Sandbox, TheSameCommandRunsInsideAndWritesWhereItMay) {
     std::string hidden = "/tmp/thimble-hidden-XXXXXX";
     close(mkstemp(hidden.data()));
     setenv("THIMBLE_TEST_HIDDEN", hidden.c_str(), 1);
-    run_apart([&]() -> std::string {
+    run_isolated([&]() -> std::string {
         enter_sandbox({folder / "out"}, {folder / "shown"});
         return {};
     });

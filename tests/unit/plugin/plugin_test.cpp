@@ -59,7 +59,7 @@ TEST(Plugin, ASessionNamesItBesideItsFile) {
                 HasSubstr("damping"));
     EXPECT_THAT(refused_by("plugin = 'mine.so'\n[control.plugin_settings]\ntrust_s = 11\n"),
                 HasSubstr("trust_s"));
-    EXPECT_THAT(refused_by("plugin = 'mine.so'\ncompensator = 'wave'\n"), HasSubstr("leave one of them out"));
+    EXPECT_THAT(refused_by("plugin = 'mine.so'\ncompensator = 'wave'\n"), HasSubstr("remove one of them"));
     EXPECT_THAT(refused_by("plugin = 'yours.so'\n"), HasSubstr("no such file"));
     EXPECT_THAT(refused_by("[control.plugin_settings]\ntrust_s = 1\n"), HasSubstr("trust_s"));
     EXPECT_THAT(refused_by("compensator = 'plugin'\n"), HasSubstr("compensator"));

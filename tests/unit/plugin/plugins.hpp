@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "common/control/plugin.hpp"
+#include "common/control/control_settings.hpp"
 
 namespace thimble::test {
 
@@ -22,7 +22,14 @@ enum class Fault {
     kGlobal,
     kActive,
     kRemember,
-    kAbort
+    kAbort,
+    kRandom,
+    kFar,  // from here on: of the slave's end, in two_ends.so
+    kEcho,
+    kSharedSlave,
+    kOldSlave,
+    kHangInCreate,
+    kHangInDestroy
 };
 
 inline std::filesystem::path plugin_file(const std::string& name) {

@@ -198,6 +198,8 @@ TEST(UdpAddress, ReadsIpv6InBrackets) {
     EXPECT_FALSE(read_udp_address("[::1]:1", "--to").is_ipv4());
     EXPECT_THAT(refusal([] { read_udp_address("::1:9000", "--to"); }, ExitCode::kUsage),
                 testing::HasSubstr("brackets"));
+    EXPECT_THAT(refusal([] { read_udp_address("[::1]", "--listen"); }, ExitCode::kUsage),
+                testing::HasSubstr("[IPv6]:PORT"));
 }
 
 TEST(UdpAddress, LooksUpAName) {

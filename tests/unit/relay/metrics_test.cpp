@@ -14,8 +14,8 @@
 #include "common/process/child.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/metrics_server.hpp"
-#include "netem/relay/metrics_text.hpp"
 #include "netem/relay/relay_engine.hpp"
+#include "netem/relay/relay_report.hpp"
 #include "tests/read_text.hpp"
 #include "tests/refusal.hpp"
 

@@ -157,7 +157,7 @@ TEST(RelayReport, SaysAskedAndAchieved) {
     state.links.up.delay = std::chrono::milliseconds{50};
     state.links.up.loss = LossSettings::independent(0.25);
     DirectionTotals& up = state.totals.direction[0];
-    up.packets.pushed = 14;  // of which the loss model could have taken 4
+    up.packets.pushed = 14;  // 4 of them met the loss model
     up.packets.outage = 8;
     up.packets.oversized = 2;
     up.packets.lost = 1;

@@ -130,16 +130,18 @@ TEST(SelftestVerdict, NamesFaults) {
     constexpr auto kMarginal = SelftestVerdict::kMarginal, kFail = SelftestVerdict::kFail;
     for (const Fault& fault :
          {Fault{[](Result& r) { r.direction[0].early = 1; }, kFail, "before they were due"},
-          Fault{[](Result& r) { r.direction[1].other_fates = 1; }, kFail, "another fate"},
+          Fault{[](Result& r) { r.direction[1].other_fates = 1; }, kFail, "not have the fate of their seed"},
           Fault{[](Result& r) { r.direction[0].lost_by_machine = 1; }, kMarginal, "machine lost 1"},
           Fault{[](Result& r) { r.direction[0].lost_by_machine = 9; }, kFail, "machine lost 9"},
           Fault{[](Result& r) { add_late(r, 100); }, kFail, "bare timer"},
           Fault{[](Result& r) { add_late(r, 20); }, kMarginal, "stalls"},
           Fault{[](Result& r) { r.direction[0].comparison.distance = 0.025; }, kMarginal,
-                "not those asked for"},
-          Fault{[](Result& r) { r.direction[0].comparison.distance = 0.2; }, kFail, "not those asked for"},
-          Fault{[](Result& r) { r.direction[0].lost_chance = 0; }, kFail, "were expected"},
-          Fault{[](Result& r) { r.direction[0].lost_chance = 5e-5; }, kMarginal, "were expected"},
+                "not follow the requested distribution"},
+          Fault{[](Result& r) { r.direction[0].comparison.distance = 0.2; }, kFail,
+                "not follow the requested distribution"},
+          Fault{[](Result& r) { r.direction[0].lost_chance = 0; }, kFail, "of all seeds differ so much"},
+          Fault{[](Result& r) { r.direction[0].lost_chance = 5e-5; }, kMarginal,
+                "of all seeds differ so much"},
           Fault{[](Result& r) { r.direction[0].received = 100; }, kMarginal, "too few"}}) {
         SelftestResult result = good();
         fault.make(result);

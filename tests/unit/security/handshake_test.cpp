@@ -57,7 +57,7 @@ TEST(HandshakeMessages, KeysDependOnEverythingSaid) {
     EXPECT_NE(key(*lab, said), key(*lab, other_words));
     EXPECT_NE(key(*lab, said), key(*test_lab_key(8), said));
     EXPECT_FALSE(
-        agree(*lab, said, a.secret, PublicKey{}));  // a key that gives the same secret with everybody
+        agree(*lab, said, a.secret, PublicKey{}));  // a key that gives the same secret with each peer
 }
 
 TEST(Handshake, BothSpeakAfterOneExchangeAndNothingIsSentBefore) {
@@ -152,7 +152,7 @@ TEST(Handshake, AChangedBitInAnyMessageKeepsTheDoorShut) {
     }
 }
 
-// Whatever one side said before is played to a new process at the other side.
+// All earlier messages of one side are replayed to a new process at the other side.
 TEST(Handshake, WhatWasSaidBeforeIsNotTakenByANewProcess) {
     for (const bool node_is_new : {true, false}) {
         SCOPED_TRACE(node_is_new);

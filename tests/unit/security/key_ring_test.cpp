@@ -125,7 +125,7 @@ TEST(FlowKeys, AVisualCannotCommandTheNeedle) {
     rig.false_needle->send(bytes_of("needle"));
     EXPECT_TRUE(rig.needle.a.said.empty());
     EXPECT_EQ(rig.visual->security.counters().not_sent, 1U);
-    // Nor with a datagram of its own flow, whatever port it writes on it.
+    // A datagram of its own flow does not pass either, for any port in its header.
     rig.percept_out->send(bytes_of("percept"));
     Datagram percept = rig.percept.a.said.back();
     rig.passed.b.deliver(percept);

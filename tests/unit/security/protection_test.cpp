@@ -109,7 +109,7 @@ TEST(Protection, TwoRigsAreTwoNames) {
 TEST(Protection, SettingsAreReadStrictly) {
     expect_usage([] { network("[security]\nmode = 'tls'\n"); }, "lab-key");
     expect_usage([] { network("[security]\nkey = 'x'\n"); }, "key");
-    expect_usage([] { network("[security]\nkey_file = 'lab.key'\n"); }, "without mode");
+    expect_usage([] { network("[security]\nkey_file = 'lab.key'\n"); }, "has an effect with mode");
     EXPECT_EQ(network("[security]\nmode = 'lab-key'\nkey_file = 'lab.key'\n").security.key_file, "lab.key");
 }
 
@@ -213,7 +213,7 @@ TEST_F(LabKeyFile, IsRefusedWhereOthersMayReadIt) {
     }
     if (geteuid() != 0 || chown(path.c_str(), 12345, 12345) != 0) return;  // only root can give a file away
     chmod(path.c_str(), 0600);
-    expect_refused(path, ExitCode::kUsage, "belongs to somebody else");
+    expect_refused(path, ExitCode::kUsage, "belongs to another user");
 }
 
 // systemd's: root's, readable through an access list, which shows as the group's right.

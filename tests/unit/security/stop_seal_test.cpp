@@ -137,7 +137,7 @@ TEST(StopSeal, ARecordedReleaseLetsGoOfNothing) {
     }
 }
 
-// A table that is full of recorded stops has room for a real one, which none of their releases lets go of.
+// A table full of recorded stops has room for a real one, and none of their releases ends it.
 TEST(StopSeal, RecordedStopsDoNotCrowdOutAnother) {
     std::vector<Datagram> stops, releases;
     SealedProgram recorder(1);
@@ -158,7 +158,7 @@ TEST(StopSeal, RecordedStopsDoNotCrowdOutAnother) {
     EXPECT_FALSE(program.line.stopped());
 }
 
-// A program that holds "first", whom somebody releases at 1 s while "second" is pressed, in rounds that take `round`.
+// A program that holds "first", which is released at 1 s while "second" is pressed, in rounds that take `round`.
 struct ReleasedWhilePressed : SealedProgram {
     explicit ReleasedWhilePressed(std::chrono::milliseconds round) : SealedProgram(1), round_(round) {
         line.stop(SessionTime{}, EndReason::kEmergencyStop, "first");

@@ -210,6 +210,16 @@ TEST(MeanTrajectory, OnThePercentAxisTrialsOfAnyLengthAreOne) {
     EXPECT_NEAR(curve.mean.beep.mean, 100, 1e-9);
 }
 
+TEST(MeanTrajectory, ACurveHasItsEndsAndTwoSamplesOfOneTime) {
+    constexpr CurveGrid kGrid{CurveAxis::kEntryToBeep, 0, 100, 3};
+    TrialRecord record = ramp(0, 2, 4, 0.11);
+    record.beep_time_s = TrialCurve::kNone;  // so that the axis ends with the last sample
+    record.samples.insert(record.samples.begin(), record.samples.front());
+    const TrialCurve curve = trial_curve(record, kGrid);
+    EXPECT_EQ(curve.needle_percent[0], 0);
+    EXPECT_EQ(curve.needle_percent[2], 300);
+}
+
 // Means of subjects 1, 2 and 3: 101, 102 and 106 %, however many trials each has; the spread is theirs.
 TEST(MeanTrajectory, SpreadsOverSubjectsWhoseTrialsAreAveragedFirst) {
     constexpr CurveGrid kGrid{CurveAxis::kFromContact, 0, 1, 2};

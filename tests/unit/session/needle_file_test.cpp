@@ -56,7 +56,7 @@ TEST(NeedleFile, TakesSemicolonsAndDecimalCommas) {
     EXPECT_EQ(path.samples[1].position_m, -0.25);
     EXPECT_EQ(path.samples[1].line, 3u);
     EXPECT_THAT(refusal_of("time_s;position_needle_m\n0;1.234,5\n"),
-                AllOf(StartsWith("needle.csv:2:"), HasSubstr("no decimal comma")));
+                AllOf(StartsWith("needle.csv:2:"), HasSubstr("not as a decimal comma")));
 }
 
 TEST(NeedleFile, AFastHandIsStillAHand) {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "session/settings/protocol.hpp"
-#include "session/settings/session_files.hpp"
+#include "session/settings/system_settings.hpp"
 #include "tests/read_text.hpp"
 #include "tests/refusal.hpp"
 
@@ -51,7 +51,7 @@ TEST(SystemSettings, TheWindowOfTheGuardAloneIsForARealHandle) {
     const std::string window = "[guard]\nenergy_window_s = 2\n";
     EXPECT_EQ(settings_of(window + "[handle]\ndevice = 'falcon'").master.guard.energy_limit_J, 0.5);
     EXPECT_EQ(settings_of(window + "[handle]\ndevice = 'force-dimension'").master.guard.energy_limit_J, 0.5);
-    EXPECT_THAT(session_refusal(window), HasSubstr("has no meaning without energy_limit_J"));
+    EXPECT_THAT(session_refusal(window), HasSubstr("has an effect with energy_limit_J only"));
 }
 
 // Keys of several types, lists of tables, and every session that comes with the program.

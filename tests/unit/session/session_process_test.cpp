@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/unit/session/played_nodes.hpp"
@@ -316,6 +317,20 @@ TEST_F(QuickSession, ATrialThatNobodyEndsTimesOut) {
     run_for(seconds{3});
     EXPECT_TRUE(session_.finished());
     EXPECT_EQ(record().reason, EndReason::kTimeout);
+}
+
+// As when bits are flipped in the number of a command that comes twice, and in the stamp of another.
+TEST(TrialRecorder, KeepsOneAnswerToACommandAndGoesOnAfterAWrongTime) {
+    TrialRecorder recorder(SessionSettings{});
+    recorder.begin({});
+    ForceFeedback answer;
+    for (const int at_ms : {1, 2, 2, 900, 3, 4}) {
+        answer.echo_time = SessionTime{std::chrono::milliseconds{at_ms}};
+        recorder.add({}, answer);
+    }
+    std::vector<double> times_s;
+    for (const TrajectorySample& sample : recorder.record().samples) times_s.push_back(sample.time_s);
+    EXPECT_THAT(times_s, testing::ElementsAre(0, 0.001, 0.899, 0.002, 0.003));
 }
 
 }  // namespace

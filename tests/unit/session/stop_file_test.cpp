@@ -65,7 +65,7 @@ TEST_F(StopFileTest, APlaceThatKeepsNoStopIsRefusedBeforeAnythingBegins) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "elsewhere"));
     std::filesystem::remove(file.path());
     std::filesystem::create_directory(file.path());
-    EXPECT_THAT(words_of([&] { file.require_released(); }), HasSubstr("no file of this user"));
+    EXPECT_THAT(words_of([&] { file.require_released(); }), HasSubstr("does not belong to this user"));
     std::filesystem::remove_all(folder_.path());
     file.require_released();
     EXPECT_THAT(words_of([&] { file.keep("smoke"); }), HasSubstr("cannot write"));

@@ -130,7 +130,7 @@ TEST(EventFile, StandsBesideTheTrajectory) {
 TEST(EventFile, AProfileComesBackWithItsNumbers) {
     const TemporaryDirectory directory;
     const NetworkEvent wifi{1.5, 0.002, "wifi", {0.001, 0.0001, 0.5}, {0.002, 0.1 / 3, 0.002}};
-    // The delay alone right behind it, and at the same time: two events all the same.
+    // The delay alone right behind it, and at the same time: still two events.
     write_events(directory / "e.csv", {wifi, {1.5, 0.1}, wifi, {0.1 / 3, 0}, {12.25, 0}, {12.25, 0.05}});
     const auto back = read_events(directory / "e.csv");
     ASSERT_EQ(back.size(), 6U);

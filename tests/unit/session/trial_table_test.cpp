@@ -164,7 +164,7 @@ TEST(TrialTable, TwoProgramsDoNotWriteOne) {
     first.append(sample_row());
     for (const IfExists if_exists : {IfExists::kReplace, IfExists::kContinue}) {
         EXPECT_THAT(refusal([&] { const TrialTable other(path, if_exists); }, ExitCode::kUsage),
-                    HasSubstr("another program writes this file now"));
+                    HasSubstr("another program is writing this file"));
     }
     EXPECT_EQ(read_trial_table(path).size(), 1U) << "and nothing was emptied";
 }
@@ -174,7 +174,7 @@ TEST(TrialTable, ADeletedTableIsNoticedAtTheNextRow) {
     TrialTable table(directory / "trials.csv");
     std::filesystem::remove(directory / "trials.csv");
     EXPECT_THAT(refusal([&] { table.append(sample_row()); }, ExitCode::kRunFailed),
-                HasSubstr("trials.csv: was deleted while it was written"));
+                HasSubstr("trials.csv: was deleted during the run"));
 }
 
 TEST(TrialTable, NothingIsWrittenThroughASymbolicLink) {
@@ -197,9 +197,9 @@ TEST(TrialTable, AFileThatCannotBeMadeIsNamedWithARemedy) {
     };
     EXPECT_EQ(words(EROFS, ExitCode::kUsage),
               "out/trials.csv: cannot be created: Read-only file system; name a "
-              "folder on a disk that can be written to");
+              "folder on a writable disk");
     EXPECT_THAT(words(EMFILE, ExitCode::kRunFailed), HasSubstr("raise 'ulimit -n'"));
-    EXPECT_THAT(words(ENOSPC, ExitCode::kRunFailed), HasSubstr("make room on that disk"));
+    EXPECT_THAT(words(ENOSPC, ExitCode::kRunFailed), HasSubstr("free space on that disk"));
 }
 
 // A trial that was lost before its beep, or before it began.

@@ -1,5 +1,6 @@
-// A scene whose clock has run for long. An offset within a step is a difference of two times on that clock, so
-// it carries their rounding: half a unit in the last place each, 1.2e-10 s together at 1e6 s. Values that do not depend on the clock carry none.
+// A scene whose clock has run for long. An offset within a step is a difference of two times on that clock, so it
+// carries their rounding: half a unit in the last place each, 1.2e-10 s together at 1e6 s. Values that do not depend
+// on the clock carry none.
 #include <cmath>
 #include <cstdint>
 #include <limits>

@@ -1,5 +1,5 @@
 // Hard cases of touching, piercing and leaving. The truth of each is written down here, from the formula of
-// its motion; docs/hard-cases.md lists them.
+// its motion; docs/speed.md lists them.
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -75,9 +75,9 @@ TEST_P(HardContact, TouchAtZeroVelocityChangesLittle) {
     EXPECT_NEAR(tissue->state().position_surface_m, std::sin(3.0), exact() ? 2.2e-8 : 2 * kStep_s);
 }
 
-// The visit of GrazingIsSeenIfItPassesAndOnlyThen lasts 90 us, and the nearest end of a step of 1 ms is 204 us
-// away: rk4 and implicit_midpoint cannot know of it. (semi_implicit_euler swings 1e-7 m too far, and stays
-// longer.) With steps of 10 us each sees it.
+// The contact of GrazingIsSeenIfItPassesAndOnlyThen lasts 90 us, and the nearest end of a step of 1 ms is 204 us
+// away: rk4 and implicit_midpoint miss it. (semi_implicit_euler swings 1e-7 m too far, and stays longer.) With steps
+// of 10 us each finds it.
 TEST(HardContactStepped, AVisitShorterThanTheStepIsMissed) {
     const double needle_m = 1 - 1e-9;
     for (const std::string_view solver : {"rk4", "implicit_midpoint"}) {
@@ -263,7 +263,7 @@ class HardStability : public EverySolver {
 THIMBLE_EVERY_SOLVER(HardStability);
 
 double named_step_s(const std::string& message) {
-    const std::string before = "take at most ";
+    const std::string before = "use at most ";
     const std::size_t at = message.find(before);
     return at == std::string::npos ? -1 : std::stod(message.substr(at + before.size()));
 }

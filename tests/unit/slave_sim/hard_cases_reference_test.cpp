@@ -1,5 +1,5 @@
 // Hard cases whose truth has no formula of one line: whole needles through hard tissue against a solution in
-// 100-digit numbers (bench/reference_tissue.hpp), for each solver. The test prints its measures, which stand in docs/hard-cases.md.
+// 100-digit numbers (bench/reference_tissue.hpp), for each solver. The test prints its measures, which stand in docs/speed.md.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -105,7 +105,7 @@ TEST_P(HardReference, ImplicitMidpointWithinItsStep) {
     expect_order_of_the_step(problem(), a);
 }
 
-// Those that refuse say so; docs/hard-cases.md names both problems.
+// A solver that refuses throws an error.
 TEST_P(HardReference, ExplicitRulesWithinTheirStepOrRefused) {
     const bool stiff = problem().name == "wall" || problem().name == "massless";
     for (const std::string_view solver : {"semi_implicit_euler", "rk4"}) {

@@ -115,8 +115,7 @@ std::vector<RandomStep> random_needle(const SceneDeclaration& scene) {
     return steps;
 }
 
-// The elements of a scene, each of which is stepped every time: what a scene must amount to that lets most of
-// them sleep.
+// The elements of a scene, all stepped every time: the reference for a scene whose elements mostly rest.
 class Sleepless {
   public:
     Sleepless(const SceneDeclaration& scene, const TissueMaker& make) {

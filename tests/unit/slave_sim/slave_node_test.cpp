@@ -132,6 +132,23 @@ TEST(SlaveNode, HoldZeroesForcesAndBreaksContact) {
     EXPECT_TRUE(bench.node.take_beep());
 }
 
+// The tissue is the robot's own, and only the fixture is computed.
+TEST(SlaveNode, FollowsARobotAndFeelsItsForceBesideTheFixture) {
+    Bench bench;
+    ForceFeedback f = bench.node.on_robot(bench.time, 1, 0.05, -0.4);
+    f = bench.node.on_robot(bench.time + milliseconds(1), 2, 0.124, -0.75);
+    EXPECT_EQ(f.position_needle_m, 0.124);
+    EXPECT_EQ(f.force_tissue_N, -0.75);
+    EXPECT_NEAR(f.force_fixture_N, -3, 1e-9);
+    EXPECT_EQ(f.force_total_N, f.force_tissue_N + f.force_fixture_N);
+    EXPECT_EQ(f.phase, TissuePhase::kFree) << "no tissue is simulated";
+    EXPECT_EQ(f.position_surface_m, 0.02);
+    EXPECT_EQ(bench.node.still(bench.time).force_tissue_N, -0.75);
+    EXPECT_EQ(bench.node.hold().force_total_N, 0);
+    bench.node.start_trial(trial());
+    EXPECT_EQ(bench.send(needle(0.01)).force_tissue_N, 0);
+}
+
 TEST(SlaveNode, OnlyALongGapBreaksContact) {
     Bench bench;
     bench.stay(0.124, 1000);

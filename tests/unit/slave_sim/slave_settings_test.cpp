@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "slave_sim/needle_scene.hpp"
@@ -46,6 +47,28 @@ TEST(SlaveSettings, ASceneBesideTheSessionFileComesFirst) {
     const SlaveSettings s = read_slave_settings(ConfigFile::load(folder / "session.toml"));
     EXPECT_EQ(tissue_of(s).mass_kg, 3);
     EXPECT_EQ(s.fixture_position_m(), 0.07);
+}
+
+TEST(SlaveSettings, ARobotIsWaitedForAndHasItsLimits) {
+    EXPECT_EQ(user_limit(settings_of("")), Duration::zero());
+    const SlaveSettings s = settings_of("[slave_sim]\ndevice = 'ros2'\nros2.deepest_m = 0.02\n");
+    EXPECT_EQ(s.device, SlaveDevice::kRos2);
+    EXPECT_EQ(user_limit(s), kRos2DriverLimit);
+    EXPECT_EQ(s.robot.deepest_m, 0.02);
+    for (const char* text :
+         {"deepest_m = -0.05\n", "speed_limit_m_per_s = 0\n", "[control]\ncompensator = 'two-port'\n"})
+        EXPECT_THROW(settings_of(std::string("[slave_sim]\ndevice = 'ros2'\n[slave_sim.ros2]\n") + text),
+                     Error)
+            << text;
+}
+
+TEST(SlaveSettings, ARobotIsToldEachCommand) {
+    const std::string robot = "[slave_sim]\ndevice = 'ros2'\n";
+    EXPECT_NO_THROW(settings_of(robot + "[codec]\nforce = 'deadband'\n"));
+    for (const char* codec : {"deadband", "deadband-linear", "every-nth", "send-on-delta"})
+        EXPECT_THAT(
+            refusal([&] { settings_of(robot + "[codec]\ncommand = '" + codec + "'\n"); }, ExitCode::kUsage),
+            testing::HasSubstr("leaves out commands, but a robot needs every command"));
 }
 
 TEST(SlaveSettings, RefusesScenesThatNoTrialCanRunIn) {

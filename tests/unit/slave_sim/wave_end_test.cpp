@@ -179,6 +179,19 @@ TEST(WaveEnd, InASlaveTheFixtureStopsTheNeedleAndTheWaveSaysSo) {
     EXPECT_FALSE(slave.node.waves());
 }
 
+TEST(WaveEnd, InASlaveASteadyWavePressesAsTheHandDoes) {
+    constexpr double kWave_root_W = 0.5;
+    SlaveWithWaves slave(of(Compensator::kWave));
+    WaveSender sender{{}};
+    ForceFeedback feedback;
+    for (std::uint32_t n = 0; n < 2000; ++n) {
+        NeedleWave message;
+        message.waves = sender.add(kWave_root_W);
+        feedback = slave.take(static_cast<int>(n) + 1000, n, message);
+    }
+    EXPECT_NEAR(feedback.force_fixture_N, -std::sqrt(2 * kImpedance_Ns_per_m) * kWave_root_W, 1e-6);
+}
+
 // A hand that presses takes energy out of the network at this end, and brings none into it.
 TEST(WaveEnd, InASlaveOfTwoPortsPressingTakesEnergyOut) {
     SlaveWithWaves slave(of(Compensator::kTwoPort));

@@ -1,9 +1,9 @@
 // Draws of parameters: within their ranges, independent, the same for the same seed.
-#include "study/sweeps/joint_draws.hpp"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "study/sweeps/variation.hpp"
 
 namespace thimble {
 namespace {

@@ -1,5 +1,4 @@
 // The delay that a fitted person's hand bears is the theory's, for the hand of the fit.
-#include "study/fit/person_bound.hpp"
 
 #include <algorithm>
 #include <fstream>

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "tests/unit/session/records.hpp"
 
 namespace thimble {
@@ -31,6 +32,37 @@ TEST(PlannedTable, GoesOnBehindTheWholeRowsOfTheSamePlan) {
     EXPECT_THROW(open("another", IfExists::kContinue), Error);
     EXPECT_EQ(open("another", IfExists::kReplace).done(), 0U);
     EXPECT_EQ(read_text(path / "map.csv"), "head\n");
+}
+
+// As one that is killed between table and plan: a table beside another plan would be refused, or gone on with.
+TEST(PlannedTable, WithoutItsPlanThereIsNoTable) {
+    const TemporaryDirectory directory;
+    const std::filesystem::path table = directory / "map.csv", plan = directory / "map.txt";
+    std::ofstream(table) << "head\na\n";
+    std::filesystem::create_directory(plan);
+    EXPECT_THROW(open_plan(table, plan, "map", "plan", IfExists::kReplace), Error);
+    EXPECT_FALSE(std::filesystem::exists(table));
+    std::filesystem::remove(plan);
+    open_plan(table, plan, "map", "plan", IfExists::kContinue);
+    EXPECT_EQ(read_text(table), "");
+    EXPECT_EQ(read_text(plan), "plan");
+}
+
+// Its trials would be others, so --resume and ranks refuse it.
+TEST(SessionText, AnotherSceneOfTheSameNameIsAnotherPlan) {
+    const TemporaryDirectory directory;
+    const std::filesystem::path session = directory / "session.toml", scene = directory / "scene.toml";
+    std::ofstream(session) << "[slave_sim]\nscene = 'scene.toml'\n";
+    const auto text = [&](const std::string& damping) {
+        std::ofstream(scene) << "[tissue]\ndamping_Ns_per_m = " << damping << "\n[fixture]\n";
+        return session_text(load_system_settings(session));
+    };
+    const std::string before = text("3");
+    EXPECT_EQ(before, "scene.toml sha256 " + sha256_of_file(scene) +
+                          "\nsession file:\n[slave_sim]\nscene = 'scene.toml'\n");
+    EXPECT_EQ(text("3"), before);
+    EXPECT_NE(text("4"), before);
+    EXPECT_EQ(session_text(load_system_settings({})), "session file:\n");
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "study/power/power_report.hpp"
 #include "tests/read_text.hpp"
 #include "tests/refusal.hpp"
 

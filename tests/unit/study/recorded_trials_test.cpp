@@ -1,10 +1,9 @@
 // A fit is of one person, and of one whom its traits can describe.
-#include "study/fit/recorded_trials.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "study/fit/fit.hpp"
+#include "study/fit/operator_model.hpp"
 #include "tests/refusal.hpp"
 
 namespace thimble {
@@ -42,10 +41,10 @@ TEST(RecordedTrials, AnExperimentCanBeChosen) {
     write_rows(folder.path(), {1, 2, 3});
     EXPECT_THAT(refusal([&] { recorded_trials(folder.path(), 4, 3); }), HasSubstr("--trajectories"));
     EXPECT_THAT(refusal([&] { recorded_trials(folder.path(), 5, 3); }),
-                HasSubstr("no trial of subject 5 in experiment 3; it has those of 4"));
+                HasSubstr("no trial of subject 5 in experiment 3; it has trials of 4"));
     write_rows(folder.path(), {1, 2});
     EXPECT_THAT(refusal([&] { recorded_trials(folder.path(), 4); }), HasSubstr("--trajectories"));
-    EXPECT_THAT(refusal([&] { recorded_trials(folder.path(), 4, 3); }), HasSubstr("those of nobody"));
+    EXPECT_THAT(refusal([&] { recorded_trials(folder.path(), 4, 3); }), HasSubstr("trials of no subject"));
 }
 
 TEST(Fit, RefusesKeysThatNoTraitStandsFor) {

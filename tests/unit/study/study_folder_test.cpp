@@ -133,7 +133,7 @@ TEST_F(StudyFolder, AStudyOfAnotherSeedKeepsEveryByteWhateverItsCurvesAre) {
     expect_kept(ExitCode::kUsage, "trials.csv:2", table_text);
 }
 
-// As `thimble run` and `thimble play --record` leave it: real trials, perhaps under the same conditions.
+// As `thimble run` and `thimble play --out` leave it: real trials, perhaps under the same conditions.
 TEST_F(StudyFolder, TrialsWithoutCurvesAreRefusedAndKept) {
     write_first(3);
     const std::string table_text = table();

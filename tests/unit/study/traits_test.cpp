@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "study/fit/fit_summary.hpp"
-
 namespace thimble {
 namespace {
 

@@ -1,5 +1,5 @@
-// What the descriptions say of the keys of session, scene and profile files, against the readers: each key is read, with the type
-// and the range that are described. So no test of a reader repeats it. docs_against_programs compares defaults and words.
+// The descriptions of keys of session, scene and profile files, against the readers: each key is read, with the
+// described type and range. So no test of a reader repeats it. docs_against_programs compares defaults and words.
 #include "thimble/commands/config_reference.hpp"
 
 #include <regex>
@@ -173,10 +173,14 @@ TEST(ConfigReference, AsASchema) {
     const auto& delay = force["properties"]["delay_s"];
     EXPECT_THAT(delay["type"], ElementsAre("number", "string")) << "\"50ms\"";
     const std::regex unit(delay["pattern"].get<std::string>());
-    for (const char* good : {"50ms", "0.05 s", "1e-3min"}) EXPECT_TRUE(std::regex_match(good, unit)) << good;
-    for (const char* bad : {"50", "50xs", "ms"}) EXPECT_FALSE(std::regex_match(bad, unit)) << bad;
+    for (const char* good : {"50ms", "0.05 s", "1e-3min", "+5.us", ".5\u03bcs"})
+        EXPECT_TRUE(std::regex_match(good, unit)) << good;
+    for (const char* bad : {"50", "50xs", "ms", "1.2.3s", "."})
+        EXPECT_FALSE(std::regex_match(bad, unit)) << bad;
     EXPECT_EQ(delay["minimum"], 0);
     EXPECT_EQ(delay["maximum"], 60);
+    EXPECT_EQ(delay["exclusiveMaximum"], 3) << "more needs a unit";
+    EXPECT_FALSE(tables["protocol"]["properties"]["break_minimum_s"].contains("exclusiveMaximum"));
     EXPECT_EQ(delay["default"], 0);
     EXPECT_THAT(delay["description"].get<std::string>(), HasSubstr("delay"));
     const auto& loss = force["properties"]["loss"];
@@ -188,7 +192,7 @@ TEST(ConfigReference, AsASchema) {
     EXPECT_EQ(each_delay["maximum"], 60);
     EXPECT_EQ(each_delay["pattern"], delay["pattern"]);
     EXPECT_THAT(tables["cutaneous"]["properties"]["device"]["enum"],
-                ElementsAre("simulated", "board", "drives"));
+                ElementsAre("simulated", "board", "drives", "touchdiver"));
     const auto tissue = nlohmann::json::parse(keys_as_schema(scene_file_keys()))["properties"]["tissue"];
     EXPECT_THAT(tissue["type"], ElementsAre("object", "array"));
     EXPECT_EQ(tissue["items"]["properties"], tissue["properties"]);

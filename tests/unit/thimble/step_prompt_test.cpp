@@ -84,7 +84,7 @@ TEST_F(Steps, AWordThatIsNoRequestIsAskedAgain) {
 
 TEST_F(Steps, APauseSaysWhereNeedleAndForceAre) {
     run({"200ms", "c"});
-    EXPECT_THAT(said_, HasSubstr("trial 1, 0 ms HF, at 0.000000 s: no answer of slave_sim yet"));
+    EXPECT_THAT(said_, HasSubstr("trial 1, 0 ms HF, at 0.000000 s: slave_sim has not answered yet"));
     EXPECT_THAT(said_, HasSubstr("at 0.2"));
     EXPECT_THAT(said_, testing::ContainsRegex("needle [-0-9.]+ mm, force [-0-9.]+ N"));
 }

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/network_words.hpp"
+#include "common/network_labels.hpp"
 #include "netem/profiles/profiles.hpp"
 
 namespace thimble {
@@ -66,18 +66,18 @@ TEST(Commands, OfferedNetworksAreProfilesAndEachSaysWhatItIsCalled) {
         const auto command = static_cast<Command>(static_cast<std::size_t>(Command::kNetwork0) + i);
         EXPECT_STREQ(key_of(experimenter_keys(), command).button, offered.profile);
         EXPECT_EQ(network_of(key_of(player_keys(), command).command)->profile, offered.profile);
-        EXPECT_STREQ(key_of(player_keys(), command).button, network_words(offered.profile));
+        EXPECT_STREQ(key_of(player_keys(), command).button, network_label(offered.profile));
     }
 }
 
 TEST(Commands, EachNetworkHasPlainWordsOfItsOwn) {
     std::set<std::string_view> all;
     for (const std::string_view profile : profile_names()) {
-        ASSERT_NE(network_words(profile), nullptr) << profile;
-        EXPECT_TRUE(all.insert(network_words(profile)).second) << profile;
+        ASSERT_NE(network_label(profile), nullptr) << profile;
+        EXPECT_TRUE(all.insert(network_label(profile)).second) << profile;
     }
-    EXPECT_EQ(all.size(), kNetworkWords.size());
-    EXPECT_EQ(network_words("my/lab.toml"), nullptr);
+    EXPECT_EQ(all.size(), kNetworkLabels.size());
+    EXPECT_EQ(network_label("my/lab.toml"), nullptr);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A running session of which the model has just heard.
+// A running session that the model has just received.
 struct ExperimenterBench : ModelBench<ExperimenterModel> {
     ExperimenterBench() {
         session.monitor.state = NodeState::kRunning;
@@ -101,7 +101,7 @@ TEST(ExperimenterModel, ExcludingAsksFirst) {
     EXPECT_EQ(exclude->trial, 6U);
     EXPECT_EQ(bench.model.question(), std::nullopt);
     bench.pass(400);
-    EXPECT_EQ(bench.model.notice().view(), "exclude of trial 6: sent, the session's log has the answer");
+    EXPECT_EQ(bench.model.notice().view(), "exclude of trial 6: sent, see the session's log for the answer");
 }
 
 TEST(ExperimenterModel, WithoutATrialNothingIsRepeatedOrExcluded) {
@@ -123,14 +123,16 @@ TEST(ExperimenterModel, AlarmsForSilenceAndForOrdersWithoutAnswer) {
     ExperimenterBench unknown;
     unknown.press(Command::kNetwork1);
     unknown.pass(2100);
-    EXPECT_NE(unknown.model.link().alarm(unknown.now).view().find("has not taken the network 'wifi'"),
+    EXPECT_NE(unknown.model.link().alarm(unknown.now).view().find("has not set the network 'wifi'"),
               std::string::npos);
     const SessionTime later = bench.now + milliseconds{700};
     bench.model.update(later);
-    EXPECT_NE(bench.model.link().alarm(later).view().find("silent, for 700 ms"), std::string::npos);
+    EXPECT_NE(bench.model.link().alarm(later).view().find("No message from the session for 700 ms."),
+              std::string::npos);
     PlayedViewSession nobody;
     const ExperimenterModel alone(1, nobody.channels());
-    EXPECT_NE(alone.link().alarm(later).view().find("No session has spoken yet"), std::string::npos);
+    EXPECT_NE(alone.link().alarm(later).view().find("Waiting for the session's first message"),
+              std::string::npos);
 }
 
 }  // namespace

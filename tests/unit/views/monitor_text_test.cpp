@@ -48,7 +48,7 @@ TEST(MonitorText, NumbersHaveUnitsAndWhatIsNotKnownIsSaidToBe) {
 
 TEST(MonitorText, SaysWhichTrialAndHowItStands) {
     EXPECT_EQ(trial_text(0, 0).view(), "none yet");
-    EXPECT_EQ(trial_text(3, 0).view(), "3, without a plan");
+    EXPECT_EQ(trial_text(3, 0).view(), "3, no planned number");
     EXPECT_EQ(trial_text(3, 24).view(), "3 of 24");
     Monitor monitor;
     EXPECT_EQ(state_text(monitor).view(), "between trials");
@@ -73,8 +73,8 @@ TEST(MonitorText, ReadingsFollowTheMonitor) {
     EXPECT_EQ(value_of(monitor, "needle"), "130.00 mm");
     EXPECT_EQ(value_of(monitor, "in tissue"), "110.00 mm");
     EXPECT_EQ(value_of(monitor, "beyond fixture"), "5.00 mm");
-    EXPECT_EQ(value_of(monitor, "port energy"), "-2.10 mJ, gives out more than it got");
-    EXPECT_EQ(value_of(monitor, "packets"), "12345678901 in, 3 refused");
+    EXPECT_EQ(value_of(monitor, "port energy"), "-2.10 mJ, gives out more than it received");
+    EXPECT_EQ(value_of(monitor, "packets"), "12345678901 in, 3 rejected");
     monitor.fixture_present = false;
     monitor.phase = TissuePhase::kContact;
     EXPECT_EQ(value_of(monitor, "fixture"), "removed");
@@ -111,7 +111,7 @@ TEST(EnergyBalance, WhatGoesInIsPassiveWhatComesOutIsNot) {
         {-1.01 * kEnergyResolution_J, EnergyBalance::kActive},
         {-0.02, EnergyBalance::kActive}};
     for (const auto& [energy_J, balance] : cases) EXPECT_EQ(judge_energy(energy_J), balance) << energy_J;
-    EXPECT_STREQ(to_string(EnergyBalance::kActive), "gives out more than it got");
+    EXPECT_STREQ(to_string(EnergyBalance::kActive), "gives out more than it received");
     EXPECT_STREQ(to_string(EnergyBalance::kPassive), "passive");
 }
 

@@ -75,7 +75,7 @@ TEST(PlayerModel, TheHintDoesNotFlipWhereTheNeedleOscillates) {
     EXPECT_EQ(hints.size(), 1U);
     monitor.position_needle_m = 0.09;  // pulled back, and held there
     bench.pass(1300);
-    EXPECT_NE(std::string_view(bench.model.hint()).find("Inside"), std::string_view::npos);
+    EXPECT_NE(std::string_view(bench.model.hint()).find("inside"), std::string_view::npos);
 }
 
 TEST(PlayerModel, TellsWhatToExpectOfEachModality) {

@@ -66,9 +66,10 @@ TEST(PageSet, MistakesAreNamed) {
     EXPECT_THAT(pages_refusal("[consent]\ntext = 'x'\nagree = 'y'\ndecline = 'n'\n"),
                 HasSubstr("consent.version"));
     EXPECT_THAT(pages_refusal("[[questionnaire]]\nname = 'a b'\n"), HasSubstr("small letters"));
-    EXPECT_THAT(pages_refusal("[[questionnaire]]\nname = 'consent'\n"), HasSubstr("is taken"));
+    EXPECT_THAT(pages_refusal("[[questionnaire]]\nname = 'consent'\n"), HasSubstr("is used twice"));
     EXPECT_THAT(pages_refusal("[[questionnaire]]\nname = 'ease'\n"), HasSubstr("at least one"));
-    EXPECT_THAT(pages_refusal(std::string(kForm) + "id = 'time_utc'\ntext = 'x'\n"), HasSubstr("is taken"));
+    EXPECT_THAT(pages_refusal(std::string(kForm) + "id = 'time_utc'\ntext = 'x'\n"),
+                HasSubstr("is used twice"));
     EXPECT_THAT(pages_refusal(std::string(kForm) + "id = 'q'\n"), HasSubstr("text"));
     EXPECT_THAT(
         pages_refusal(std::string(kForm) + "id = 'q'\ntext = 'x'\nkind = 'choice'\nchoices = ['one']\n"),

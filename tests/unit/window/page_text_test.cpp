@@ -53,7 +53,7 @@ TEST(PageText, SaysHowToGoOnWhereASubjectMay) {
 
 TEST(PageText, AQuestionThatThisWindowDoesNotHaveIsNamed) {
     EXPECT_THAT(unknown_question(page_of(PageKind::kQuestion)).body,
-                testing::AllOf(HasSubstr("Question 3 is of another page set"), HasSubstr("page set")));
+                testing::AllOf(HasSubstr("Question 3 is from other pages"), HasSubstr("than this window's")));
 }
 
 TEST(Fonts, WhatCannotBeDrawnIsNamed) {

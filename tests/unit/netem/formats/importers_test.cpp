@@ -46,7 +46,7 @@ TEST(Irtt, BothDirections) {
     EXPECT_EQ(paths.up.packets[0].delay, Duration{89283});
     EXPECT_EQ(paths.down.packets[2].delay, Duration{45268});
     EXPECT_EQ(paths.up.packets[2].at, 602856692 - 2776704);
-    EXPECT_THAT(paths.up.remarks, Contains(HasSubstr("no better than their clocks")));
+    EXPECT_THAT(paths.up.remarks, Contains(HasSubstr("only as good as their clocks")));
 }
 
 std::string irtt_with(std::string_view trip) {
@@ -99,7 +99,7 @@ TEST(Ping, LinuxWithStampsGapsAndDuplicates) {
     EXPECT_EQ(path.packets[2].delay, milliseconds{15});
     EXPECT_NEAR(static_cast<double>(path.packets[2].at), 0.4e9, 1e3);
     EXPECT_THAT(path.remarks, Contains(HasSubstr("1 duplicates")));
-    EXPECT_THAT(path.remarks, Contains(HasSubstr("cannot tell the directions apart")));
+    EXPECT_THAT(path.remarks, Contains(HasSubstr("cannot separate the directions")));
 }
 
 // Sent each 100 ms, and `import` was not told so: stamps decide.
@@ -267,9 +267,9 @@ TEST(Capture, Refusals) {
     std::string late = CaptureWriter(1).bytes() + std::string(16, '\0');
     late.replace(28, 4, "\xff\xff\xff\xff");  // nanoseconds of the first packet
     for (const auto& [bytes, reason] : std::vector<std::pair<std::string, std::string>>{
-             {"", "no capture (it is empty)"},
-             {"short", "no capture"},
-             {std::string(24, 'x'), "no capture"},
+             {"", "not a capture (it is empty)"},
+             {"short", "not a capture"},
+             {std::string(24, 'x'), "not a capture"},
              {CaptureWriter(147).bytes(), "link type 147"},
              {pcapng_head() + pcapng_packet(~0ULL), "packet 1: a time stamp out of range"},
              {late, "packet 1: a time stamp out of range"},
@@ -321,7 +321,7 @@ TEST(CapturePair, ClocksThatAreNotSynchronised) {
     const CapturePair moved = apart.match({.sent_port = std::uint16_t{9000}, .least_delay = milliseconds{2}});
     EXPECT_EQ(moved.path.packets[0].delay, milliseconds{2});
     EXPECT_EQ(moved.path.packets[9].delay, microseconds{2009});
-    EXPECT_THAT(moved.path.remarks, Contains(HasSubstr("Delays were moved by")));
+    EXPECT_THAT(moved.path.remarks, Contains(HasSubstr("Delays were shifted by")));
 }
 
 TEST(CapturePair, EqualPayloadsAreMatchedInOrderAndSaid) {

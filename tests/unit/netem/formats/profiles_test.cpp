@@ -2,13 +2,11 @@
 #include "netem/profiles/profiles.hpp"
 
 #include <algorithm>
-#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "common/text_file.hpp"
 #include "netem/formats/tc_text.hpp"
 #include "netem/link_model.hpp"
 #include "netem/packet_trace.hpp"
@@ -209,17 +207,6 @@ delay_s = 0.2
     EXPECT_EQ(profile.down_changes[1].settings.delay, milliseconds{200});
     EXPECT_EQ(profile.down_changes[1].settings.loss, LossSettings::independent(0.1));
     EXPECT_EQ(profile.up_changes[0].settings.delay, milliseconds{200});
-}
-
-TEST(Timeline, AFileOfItsOwn) {
-    const auto path = std::filesystem::path(testing::TempDir()) / "thimble_timeline_test.toml";
-    write_text_file(path, "[[change]]\nat_s = 1\ndirection = \"up\"\ndelay_s = 0.1\n");
-    LinkProfile profile = load_profile("paper50");
-    load_timeline(path, profile);
-    std::filesystem::remove(path);
-    ASSERT_EQ(profile.up_changes.size(), 1U);
-    EXPECT_TRUE(profile.down_changes.empty());
-    EXPECT_EQ(profile.up_changes[0].settings.delay, milliseconds{100});
 }
 
 }  // namespace

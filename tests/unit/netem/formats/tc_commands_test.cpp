@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "netem/formats/tc_command.hpp"
 #include "netem/formats/tc_text.hpp"
 #include "netem/formats/text_lines.hpp"
@@ -85,7 +86,7 @@ TEST(TcCommands, TheOutputOfShowIsRead) {
     EXPECT_EQ(shown.up.loss.loss_in_bad, 0.7);
     EXPECT_EQ(shown.up.rate, (RateSettings{1e6, 20, 0, 0, Drop::kTail, 100, 5}));
     EXPECT_TRUE(shown.up.ecn);
-    EXPECT_THAT(shown.notes, Contains(HasSubstr("does not show a distribution")));
+    EXPECT_THAT(shown.notes, Contains(HasSubstr("tc's output has no distribution")));
     EXPECT_EQ(parse_tc("qdisc netem 1: root refcnt 2 limit 9 loss state p13 1% p31 2% p32 3% p23 4% p14 5%")
                   .up.loss.p14,
               0.05);
@@ -94,7 +95,7 @@ TEST(TcCommands, TheOutputOfShowIsRead) {
 TEST(TcCommands, WhatIsNotNetemsIsSaid) {
     EXPECT_THAT(refused("tc qdisc add dev eth0 root tbf rate 1mbit burst 32kbit latency 400ms"),
                 HasSubstr("tbf limits the rate and is not netem's"));
-    EXPECT_THAT(refused("tc qdisc show dev eth0"), HasSubstr("paste what it prints"));
+    EXPECT_THAT(refused("tc qdisc show dev eth0"), HasSubstr("paste its output"));
     EXPECT_THAT(refused("tc qdisc add dev a root netem delay ${D}ms"), HasSubstr("shell variable"));
     EXPECT_THAT(
         parse_tc(
@@ -102,7 +103,7 @@ TEST(TcCommands, WhatIsNotNetemsIsSaid) {
             "parent 1:1 netem loss 1%; modprobe ifb")
             .notes,
         testing::AllOf(Contains(HasSubstr("prio is a qdisc of its own")), Contains(HasSubstr("filter sorts")),
-                       Contains(HasSubstr("1 command is not tc's"))));
+                       Contains(HasSubstr("left out 1 command that is not part of tc"))));
     EXPECT_THAT(
         refused("tc qdisc add dev a parent 1:1 netem loss 1%; tc qdisc add dev a parent 1:2 netem loss 2%"),
         HasSubstr("dev a has several netem qdiscs"));

@@ -6,7 +6,6 @@
 #include <rapidcheck.h>
 
 #include "common/error.hpp"
-#include "netem/formats/tc_units.hpp"
 #include "netem/jitter_table.hpp"
 #include "tests/refusal.hpp"
 
@@ -149,7 +148,7 @@ TEST(TcWords, RefusalsSayWhatAndWhy) {
         {"delay 5ms 1ms 100%", "below 100%"},
         {"delay 5ms delay 6ms", "twice"},
         {"latency 5ms delay 6ms", "twice"},
-        {"jitter 5ms", "is none of"},
+        {"jitter 5ms", "is not one of"},
         {"loss 101%", "from 0% to 100%"},
         {"loss 1% 100%", "all or nothing"},
         {"loss gemodel 0% 0%", "never moves"},
@@ -162,13 +161,13 @@ TEST(TcWords, RefusalsSayWhatAndWhy) {
         {"delay 5ms reorder 1% ordered", "contradicts"},
         {"distribution normal", "needs a delay and a jitter"},
         {"delay 5ms 1ms distribution", "must be uniform"},
-        {"delay 5ms 1ms distribution no_such_table", "neither uniform"},
+        {"delay 5ms 1ms distribution no_such_table", "use uniform"},
         {"reorder 25%", "needs a delay"},
         {"gap 5", "give reorder"},
         {"rate 0", "above 0"},
         {"rate 1mbit -14", "negative overhead"},
         {"limit 0", "from 1 to 1000000"},
-        {"slot 10ms 1ms", "second time is the longer"},
+        {"slot 10ms 1ms", "second time must be the longer"},
         {"slot distribution 1ms 1ms", "must be uniform"},
         {"tc qdisc add dev eth0 root tbf rate 1mbit", "no \"netem\""},
         {std::string(70000, 'x'), "characters"}};

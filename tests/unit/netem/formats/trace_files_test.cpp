@@ -95,7 +95,7 @@ TEST(PacketTraceFile, RefusesWithFileAndLine) {
         {"# nothing\n", "a.csv:1: is empty"},
         {"time_s,delay_s\n", "a.csv:1: there is a header"},
         {"time_s,delay\n", "a.csv:1: unknown column 'delay'"},
-        {"time_s,t_us,loss\n", "a.csv:1: column 't_us' is there twice"},
+        {"time_s,t_us,loss\n", "a.csv:1: column 't_us' appears twice"},
         {"time_s,packet,loss\n", "both times and packet"},
         {"delay_s,loss\n0,0\n", "needs a column time_s"},
         {"time_s\n0\n", "neither delay_s nor loss"},
@@ -105,7 +105,7 @@ TEST(PacketTraceFile, RefusesWithFileAndLine) {
         {"time_s,loss\n0\n", "a.csv:2: has 1 fields, the header 2"},
         {"time_s,loss\n0,2\n", "loss: 2 must lie between 0 and 1"},
         {"time_s,delay_s\n-1,0\n", "a.csv:2: time_s: -1 must lie"},
-        {"time_s,delay_s\n0,nan\n", "no finite number"},
+        {"time_s,delay_s\n0,nan\n", "not a finite number"},
         {"time_s,delay_s\n0,61\n", "between 0 and 60"},
         {"time_s,delay_s,loss\n0,,0\n", "empty only where loss is 1"},
         {"time_s,rate_kbps\n0,0\n", "rate: must be above 0"},
@@ -132,10 +132,9 @@ TEST(PacketTraceFile, WhatIsWrittenIsReadAgain) {
     }));
 }
 
-TEST(DeliveryTraceFile, ReadsWritesAndRefuses) {
+TEST(DeliveryTraceFile, ReadsAndRefuses) {
     const DeliveryTrace trace = parse_delivery_trace("0\n 1\r\n1\n5\n", "a.pdo");
     EXPECT_EQ(trace.times_ms(), (std::vector<std::uint32_t>{0, 1, 1, 5}));
-    EXPECT_EQ(parse_delivery_trace(print_delivery_trace(trace), "a").times_ms(), trace.times_ms());
     EXPECT_THAT(delivery_refusal(""), StartsWith("a.pdo:1: is empty"));
     EXPECT_THAT(delivery_refusal("5\n4\n"), StartsWith("a.pdo:2: times must not fall"));
     EXPECT_THAT(delivery_refusal("5\n\n6\n"), StartsWith("a.pdo:2: ''"));

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "netem/shell/slirp_frames.hpp"
 #include "tests/unit/netem/shell/sample_packets.hpp"
 
 namespace thimble {

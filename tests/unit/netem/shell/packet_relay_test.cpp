@@ -12,7 +12,7 @@
 
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/relay_engine.hpp"
-#include "netem/shell/slirp_frames.hpp"
+#include "netem/shell/ip_packet.hpp"
 #include "tests/unit/netem/shell/sample_packets.hpp"
 
 namespace thimble {
