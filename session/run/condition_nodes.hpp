@@ -142,7 +142,8 @@ class ConditionNodes : boost::noncopyable {
     }
 
   private:
-    static constexpr Duration kLastWords = std::chrono::milliseconds{300};
+    // On a busy machine a program needs that long to name the plug-in that hangs, and to end.
+    static constexpr Duration kLastWords = std::chrono::seconds{2};
     static constexpr Duration kFarewell = std::chrono::seconds{1};  // to end when told to, and again
     // A person reads these. The log has the rest.
     static constexpr std::size_t kMostPassedOn = 200, kLongestPassedOn = 1000;  // lines, bytes of a line
