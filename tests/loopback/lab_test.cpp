@@ -85,7 +85,7 @@ TEST_F(Lab, ACutWireEndsTheTrialAndNotTheSession) {
     const Dataset dataset(folder_ / "out");
     Child launcher("unshare",
                    launch("[session]\nsubject = 7\nmodalities = ['CF']\nfixture_jitter_m = 0\n"
-                          "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = 2\n"
+                          "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = 2\npeer_wait_s = 20\n"
                           "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\npractice_trials = 0\n"
                           "break_every = 0\nrepeat = 'at_once'\nrepeats_limit = 9\n" +
                           std::string(kMachines) + kOpen),

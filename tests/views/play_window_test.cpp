@@ -115,7 +115,7 @@ TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAl
     Child video(kThimble,
                 {"play", "--replay", out.string(), "--frames", frames.string(), "--frames-per-s", "5"},
                 folder_ / "render");
-    ASSERT_EQ(video.wait(kPatience), 0) << read_text(folder_ / "render");
+    ASSERT_EQ(video.wait(4 * kPatience), 0) << read_text(folder_ / "render");
     const Trajectory trajectory = read_trajectory(first);
     const std::size_t count = frame_count(trajectory.samples.back().time_s, 5);
     EXPECT_TRUE(std::filesystem::exists(frame_file(frames, count - 1)));
@@ -130,11 +130,13 @@ TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAl
 }
 
 TEST_F(PlayInAWindow, AScreenThatGoesAwayEndsThePlay) {
-    Child play(
-        kThimble,
-        {"play", a_slow_window(folder_), "--base-port", std::to_string(ports_.base()), "--seconds", "300"},
-        folder_ / "words");
-    ASSERT_TRUE(screen_->wait_for_window("Thimble")) << read_text(folder_ / "words");
+    const auto out = folder_ / "out";
+    Child play(kThimble,
+               {"play", a_slow_window(folder_), "--delay-s", "0", "--out", out.string(), "--base-port",
+                std::to_string(ports_.base()), "--seconds", "300"},
+               folder_ / "words");
+    ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(out / "trajectories"); }))
+        << read_text(folder_ / "words");
     wall_sleep(std::chrono::seconds{1});
     screen_.reset();
     EXPECT_EQ(play.wait(kPatience), 0) << read_text(folder_ / "words");

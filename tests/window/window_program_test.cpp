@@ -72,10 +72,11 @@ TEST_F(WindowProgramOnAScreen, OutlivesItsScreen) {
 TEST_F(WindowProgramOnAScreen, ItsStopKeyStopsASessionUnderALabKey) {
     const Folder& folder = screen_->folder();
     create_lab_key(folder / "lab.key", system_random_bytes());
-    std::ofstream(folder / "session.toml") << "[session]\nmodalities = ['HF']\ndelays_s = "
-                                              "[0.0]\n[trial]\ncontact_hold_s = 40\n[visual]\ndisplay = "
-                                              "'window'\n[security]\nmode = 'lab-key'\nkey_file = '"
-                                           << (folder / "lab.key").string() << "'\n";
+    std::ofstream(folder / "session.toml")
+        << "[session]\nmodalities = ['HF']\ndelays_s = "
+           "[0.0]\n[trial]\ncontact_hold_s = 40\npeer_wait_s = 60\n[visual]\ndisplay = "
+           "'window'\n[security]\nmode = 'lab-key'\nkey_file = '"
+        << (folder / "lab.key").string() << "'\n";
     const PortBlock ports;
     Child run(THIMBLE_BIN_DIR "/thimble",
               {"run", folder / "session.toml", "--out", folder / "out", "--base-port",
