@@ -143,7 +143,7 @@ TEST(Pointer, ShovingCuresNothing) {
     }
 }
 
-// The table of docs/play.md.
+// The figures of docs/play.md.
 TEST(Pointer, WhatDelayDoesToAHandThatPresses) {
     fmt::print("| delay, ms | contacts lost | rms, mm | peak to peak, mm | frequency, Hz | energy in, J |\n");
     double before_J = 1;
