@@ -18,11 +18,11 @@ class PlayerWindow {
   public:
     PlayerWindow() : window_(settings()), gui_(window_) {}
 
-    // At 30 frames per second of a clock of its own, so that a busy machine changes no picture; `talking`: the session sends.
+    // At 10 frames per second of a clock of its own, so that a busy machine changes no picture; `talking`: the session sends.
     void run(double seconds, bool talking = true) {
         const SessionTime until = now_ + from_seconds(seconds);
         while (now_ < until) {
-            const SessionTime now = now_ += std::chrono::milliseconds{33};
+            const SessionTime now = now_ += std::chrono::milliseconds{100};
             if (talking) talk(now);
             window_.poll_events();
             panel_.tick(now);
