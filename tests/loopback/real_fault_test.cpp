@@ -98,7 +98,7 @@ class HandleForces {
         if (!decoded.message) return;
         const Header& header = decoded.message->header;
         if (const auto* force = std::get_if<ForceFeedback>(&decoded.message->body)) {
-            received_N_.push_back(-force->force_total_N);
+            received_N_.push_back(std::clamp(-force->force_total_N, -kStrongest_N, kStrongest_N));
             received_at_ = from_nanoseconds(static_cast<std::int64_t>(logged.log_time_ns));
         } else if (const auto* said = std::get_if<NeedleCommand>(&decoded.message->body);
                    said != nullptr && topic.sent) {
