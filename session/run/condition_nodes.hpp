@@ -69,9 +69,9 @@ class ConditionNodes : boost::noncopyable {
 
     std::string exit_message(std::size_t node) const { return nodes_[node]->exit_message(); }
     ExitCode verdict(std::size_t node) const { return nodes_[node]->verdict(); }
-    // As dead(), but first gives a silent node time to report its reason.
-    std::optional<std::size_t> dead_soon() {
-        const SessionTime end = wall_now() + kLastWords;
+    // As dead(), but first gives a silent node time to report its reason. The session says nothing meanwhile.
+    std::optional<std::size_t> dead_soon(Duration limit) {
+        const SessionTime end = wall_now() + limit;
         while (!nodes_.empty() && !dead() && wall_now() < end) wall_sleep(std::chrono::milliseconds{5});
         return dead();
     }
@@ -142,8 +142,6 @@ class ConditionNodes : boost::noncopyable {
     }
 
   private:
-    // On a busy machine a program needs that long to name the plug-in that hangs, and to end.
-    static constexpr Duration kLastWords = std::chrono::seconds{2};
     static constexpr Duration kFarewell = std::chrono::seconds{1};  // to end when told to, and again
     // A person reads these. The log has the rest.
     static constexpr std::size_t kMostPassedOn = 200, kLongestPassedOn = 1000;  // lines, bytes of a line

@@ -36,7 +36,8 @@ class RunOutcome {
         } else if (record.reason == EndReason::kDeviceFault) {
             fail(ExitCode::kRunFailed, fault_text(record));
         } else if (record.reason == EndReason::kPeerLost) {
-            const auto dead = nodes_.dead_soon();
+            const bool plugin = record.conditions.compensator == Compensator::kPlugin;
+            const auto dead = nodes_.dead_soon(plugin ? kLastWordsOfPlugin : kLastWords);
             fail(dead ? nodes_.verdict(*dead) : ExitCode::kNetwork,
                  dead ? nodes_.exit_message(*dead)
                       : fmt::format("lost contact with {}: {}; {}", to_string(record.lost_peer), record.fault,
@@ -66,6 +67,11 @@ class RunOutcome {
     const ConditionResult& result() const { return result_; }
 
   private:
+    // Shorter than kPeerTimeout, so that the other nodes do not miss the session. On a busy machine a master needs longer to name the
+    // plug-in that hangs, and to end.
+    static constexpr Duration kLastWords = std::chrono::milliseconds{300};
+    static constexpr Duration kLastWordsOfPlugin = std::chrono::seconds{2};
+
     void fail(ExitCode code, const std::string& problem) {
         result_.code = code;
         result_.problem = printable(problem);  // it may quote any peer
