@@ -13,6 +13,7 @@ namespace thimble {
 namespace {
 
 constexpr Duration kClockNotes = std::chrono::seconds{1};  // offsets to the log, of each node
+constexpr std::size_t kMostSamples = 4096;                 // kept in memory, unless the disk is slow
 
 }  // namespace
 
@@ -20,13 +21,51 @@ ConditionFiles::ConditionFiles(const ConditionPlan& plan, bool log)
     : plan_(plan),
       log_(log && plan.log.messages != LoggedMessages::kNone ? std::make_unique<MessageLog>() : nullptr) {}
 
+ConditionFiles::~ConditionFiles() {
+    if (!thread_.joinable()) return;
+    settle();
+    writing_ = Writing::kEnds;
+    writing_.notify_one();
+    thread_.join();
+}
+
 template <class Write>
 void ConditionFiles::attempt(Write&& write) {
     try {
         write();
     } catch (const Error& error) {
-        if (fault_.empty()) fault_ = error.what();
+        if (attempt_.empty()) attempt_ = error.what();
     }
+}
+
+void ConditionFiles::write(Lines& lines) {
+    attempt([&] {
+        if (writer_) writer_->append(lines.samples);
+        if (writer_) writer_->flush();
+    });
+    attempt([&] {
+        for (const ClockRecord& record : lines.clocks) clock_writer_->append(record.node, record.exchange);
+        if (clock_writer_) clock_writer_->flush();
+    });
+    lines.samples.clear();
+    lines.clocks.clear();
+}
+
+void ConditionFiles::write_until_ended() {
+    for (;;) {
+        writing_.wait(Writing::kNothing);
+        if (writing_ == Writing::kEnds) return;
+        write(handed_over_);
+        writing_ = Writing::kNothing;
+        writing_.notify_one();
+    }
+}
+
+// Until the disk has all that was added.
+void ConditionFiles::settle() {
+    writing_.wait(Writing::kHandedOver);
+    write(fresh_);
+    fault_ = attempt_;
 }
 
 void ConditionFiles::open() {
@@ -67,11 +106,12 @@ void ConditionFiles::begin_trial(const TrialConditions& trial, std::uint32_t num
 }
 
 void ConditionFiles::add(const TrajectorySample& sample) {
-    if (writer_) attempt([&] { writer_->append(sample); });
+    if (writer_) fresh_.samples.push_back(sample);
+    if (fresh_.samples.size() >= kMostSamples) flush();
 }
 
 void ConditionFiles::add(Role node, const ClockExchange& exchange, const ClockFilter& clock) {
-    if (clock_writer_) attempt([&] { clock_writer_->append(node, exchange); });
+    if (clock_writer_) fresh_.clocks.push_back({node, exchange});
     note(node, exchange, clock);
 }
 
@@ -101,24 +141,28 @@ McapMap trial_note(const TrialConditions& trial, std::uint32_t number, SessionTi
 }
 
 void ConditionFiles::flush() {
-    attempt([this] {
-        if (writer_) writer_->flush();
-        if (clock_writer_) clock_writer_->flush();
-    });
+    if (writing_ != Writing::kNothing) return;  // a slow disk
+    fault_ = attempt_;
+    std::swap(fresh_, handed_over_);
+    if (!thread_.joinable()) thread_ = std::thread([this] { write_until_ended(); });
+    writing_ = Writing::kHandedOver;
+    writing_.notify_one();
 }
 
 void ConditionFiles::end_trial(const TrialRecord& record) {
+    settle();
     if (!writer_) return;
     attempt([&] { writer_->end(record.reason, record.lost_peer); });
     writer_.reset();
-    if (record.network_events.empty()) return;
-    attempt([&] { write_events(event_path(trajectory_), record.network_events); });
+    if (!record.network_events.empty())
+        attempt([&] { write_events(event_path(trajectory_), record.network_events); });
+    fault_ = attempt_;
 }
 
 // The file is the record; the summary is made from it. After a fault its last line may be half a one.
 std::vector<NodeClock> ConditionFiles::close_clocks() {
     if (!clock_writer_) return {};
-    attempt([this] { clock_writer_->flush(); });
+    settle();
     clock_writer_.reset();
     if (!fault_.empty()) return {};
     return clocks_of(plan_.delay_s, read_clock_file(clock_path()));
@@ -131,6 +175,7 @@ void ConditionFiles::write_session_report(const nlohmann::ordered_json& report) 
         file.write(json_text(report, 2) + "\n");
         file.flush();
     });
+    fault_ = attempt_;
 }
 
 }  // namespace thimble

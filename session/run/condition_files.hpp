@@ -1,14 +1,18 @@
 // The files of a condition's run, written as the data come: trajectories, exchanges of clocks, the session's log of
-// messages. Also the paths of all its files. A failed write ends the trial. The data before it are kept.
+// messages. Also the paths of all its files. A failed write ends the trial. The data before it are kept. While a trial runs, a thread
+// of its own waits for the disk, because nodes that miss the session for kPeerTimeout give the trial up.
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/log/message_log.hpp"
@@ -22,10 +26,11 @@ namespace thimble {
 // The session's log says this of each trial. `number`: the trial's on the wire.
 McapMap trial_note(const TrialConditions& trial, std::uint32_t number, SessionTime at);
 
-class ConditionFiles {
+class ConditionFiles : boost::noncopyable {
   public:
     // `plan` outlives the files. `log`: whether the log that the plan names is one of them.
     explicit ConditionFiles(const ConditionPlan& plan, bool log = true);
+    ~ConditionFiles();
 
     // Throws Error (usage) if the folder or a file cannot be made.
     void open();
@@ -42,21 +47,32 @@ class ConditionFiles {
                      const std::filesystem::path& trajectory);
     void add(const TrajectorySample& sample);
     void add(Role node, const ClockExchange& exchange, const ClockFilter& clock);
+    // Hands to the thread all that was added, unless it still waits for the disk: then with the next call.
     void flush();
+    // Waits for the disk, as close_clocks() does.
     void end_trial(const TrialRecord& record);
 
     // The clocks, computed from the exchanges in their file. None after a fault.
     std::vector<NodeClock> close_clocks();
     void write_session_report(const nlohmann::ordered_json& report);
 
-    // Why a file could not be written; empty: all could.
+    // Why a file could not be written; empty: all could, as far as the thread had come at the last flush().
     const std::string& fault() const { return fault_; }
     // The same of the log of messages.
     std::string log_fault() const { return log_ ? std::string(log_->fault()) : std::string(); }
 
   private:
+    enum class Writing { kNothing, kHandedOver, kEnds };  // nothing: the thread waits
+    struct Lines {
+        std::vector<TrajectorySample> samples;
+        std::vector<ClockRecord> clocks;
+    };
+
     template <class Write>
     void attempt(Write&& write);
+    void write(Lines& lines);
+    void write_until_ended();
+    void settle();
     std::filesystem::path clock_path() const;
     std::string again() const;
     void note(Role node, const ClockExchange& exchange, const ClockFilter& clock);
@@ -69,6 +85,11 @@ class ConditionFiles {
     std::optional<ClockWriter> clock_writer_;
     std::string fault_;
     unsigned restarts_ = 0;
+    Lines fresh_,
+        handed_over_;      // the second is the thread's while it writes, as the writers and `attempt_` are
+    std::string attempt_;  // why one failed
+    std::atomic<Writing> writing_{Writing::kNothing};
+    std::thread thread_;  // from the first flush() on
 };
 
 }  // namespace thimble

@@ -128,9 +128,12 @@ class NodePeers {
         return names;
     }
 
-    // How long a lost node has been silent, as text.
-    std::string silence(SessionTime now, Role role) const {
+    // How long a lost node has been silent, or what it misses, as text.
+    std::string silence(SessionTime now, Role role, std::uint32_t trial) const {
         const NodePeer& peer = of(role);
+        if (peer.misses_peer(trial) && !peer.silent_for(now, kPeerTimeout))
+            return fmt::format("{} has heard nothing from another program for {:g} s", to_string(role),
+                               to_seconds(kPeerTimeout));
         if (!peer.known()) return fmt::format("{} has sent no message", to_string(role));
         return fmt::format("the last message from {} came {:.2f} s before", to_string(role),
                            to_seconds(now - peer.last_heard()));

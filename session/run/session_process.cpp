@@ -265,8 +265,9 @@ void SessionProcess::enter(SessionTime now, Stage stage) {
 }
 
 void SessionProcess::end(SessionTime now, EndReason reason, Role lost_peer, std::string_view fault) {
-    recorder_.end(reason, lost_peer,
-                  reason == EndReason::kPeerLost ? peers_.silence(now, lost_peer) : std::string(fault));
+    recorder_.end(
+        reason, lost_peer,
+        reason == EndReason::kPeerLost ? peers_.silence(now, lost_peer, trial_) : std::string(fault));
     order_.kind = ControlKind::kTrialEnd;
     order_.reason = reason;
     enter(now, Stage::kEnding);

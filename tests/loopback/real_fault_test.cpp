@@ -7,7 +7,9 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <thread>
 #include <variant>
 #include <vector>
@@ -20,6 +22,7 @@
 #include "common/random.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "master/master_node.hpp"
+#include "session/clocks/clock_summary.hpp"
 #include "session/log/logged_file.hpp"
 #include "tests/loopback/real_run.hpp"
 
@@ -261,6 +264,36 @@ TEST(Guard, TripsInTheRealProgramAsTheSessionFileSays) {
     session.more = "[guard]\nenergy_limit_J = 0.001\n";
     RealRun run(session, kLockStep);
     expect_end(run, 1, EndReason::kSafetyStop, "[guard] energy_limit_J = 0.001");
+}
+
+// A pipe stands for the file of the clocks. It is full, so that the first line has to wait.
+TEST(SlowDisk, DelaysTheEndOfARunAndNoTrial) {
+    const Folder folder;
+    std::filesystem::create_directories(folder / "nodes");
+    const std::filesystem::path clocks = folder / "nodes" / "clocks_0ms.csv";
+    ASSERT_EQ(::mkfifo(clocks.c_str(), 0600), 0);
+    const int disk = ::open(clocks.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    const std::string page(static_cast<std::size_t>(::fcntl(disk, F_SETPIPE_SZ, 4096)), ' ');
+    ASSERT_EQ(::write(disk, page.data(), page.size()), static_cast<ssize_t>(page.size()));
+    const PortBlock ports;
+    const std::string file = folder.write("session.toml", SessionFile{}.text()).string();
+    Child run(built_programs() / "thimble",
+              {"run", file, "--out", (folder / "").string(), "--base-port", std::to_string(ports.base())},
+              folder / "words");
+    const auto words = [&] { return read_text(folder / "words"); };
+    const auto trajectory = folder / "trajectories" / "trial01_HF_0ms.csv";
+    ASSERT_TRUE(wait_until([&] { return !read_text(trajectory).empty(); })) << words();
+    std::this_thread::sleep_for(3 * kPeerTimeout);
+    // The run reads them in the end.
+    ClockWriter(folder / "clocks.csv").flush();
+    std::filesystem::rename(folder / "clocks.csv", clocks);
+    std::string rest(page.size(), '\0');
+    EXPECT_TRUE(wait_until([&] { return ::read(disk, rest.data(), rest.size()) < 0 && run.poll(); }));
+    ::close(disk);
+    EXPECT_EQ(run.wait(kPatience), 0) << words();
+    const auto rows = read_trial_table(folder / "trials.csv");
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows[0].reason, EndReason::kCompleted);
 }
 
 }  // namespace
