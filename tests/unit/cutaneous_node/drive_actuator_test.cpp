@@ -1,7 +1,9 @@
 // The actuator over emulated drives: bringing up, pressing, and every fault on command.
 #include <cmath>
+#include <deque>
 #include <ostream>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -149,14 +151,22 @@ class WatchedBus final : public CanBus {
         if (!lost) bus_->send(frame);
     }
     void flush() override { bus_->flush(); }
-    bool receive(SessionTime at, CanFrame& frame) override { return bus_->receive(at, frame); }
+    bool receive(SessionTime at, CanFrame& frame) override {
+        for (CanFrame next; bus_->receive(at, next);) answers_.emplace_back(at + late, next);
+        if (answers_.empty() || answers_.front().first > at) return false;
+        frame = answers_.front().second;
+        answers_.pop_front();
+        return true;
+    }
     bool down() const override { return bus_->down(); }
 
     bool full = false;
     int target_per_mille = 0;
+    Duration late{};  // what the drives answer from now on
 
   private:
     CanBus* bus_;
+    std::deque<std::pair<SessionTime, CanFrame>> answers_;
 };
 
 struct WatchedQueue : DriveQueue {
@@ -172,6 +182,19 @@ struct WatchedBench : DriveBench<WatchedQueue> {
         EXPECT_GT(bus.target_per_mille, 400);
     }
 };
+
+// A busy machine delays the answers more and more while a finger is released.
+TEST(DriveActuator, LateAnswersAreNoSlackCable) {
+    WatchedBench bench("silent_after_s = 3");
+    bench.press(Finger::kIndex, 1.5, seconds{2});
+    bench.actuator.release(bench.now);
+    for (int i = 0; i < 30; ++i) {
+        bench.bus.late += std::chrono::microseconds{1500};
+        bench.tick();
+    }
+    bench.run(milliseconds{300});
+    EXPECT_EQ(bench.fault(), "");
+}
 
 // Long before it counts as dead: the others stop pressing.
 TEST(DriveActuator, ADriveThatDoesNotAnswerCostsTheForceInTwoCycles) {
