@@ -1,5 +1,8 @@
 #include "session/run/condition_files.hpp"
 
+#include <exception>
+#include <system_error>
+
 #include <fmt/format.h>
 
 #include "common/csv/csv_file.hpp"
@@ -13,7 +16,7 @@ namespace thimble {
 namespace {
 
 constexpr Duration kClockNotes = std::chrono::seconds{1};  // offsets to the log, of each node
-constexpr std::size_t kMostSamples = 4096;                 // kept in memory, unless the disk is slow
+constexpr std::size_t kMostSamples = 512;                  // kept in memory, unless the disk is slow
 
 }  // namespace
 
@@ -22,8 +25,8 @@ ConditionFiles::ConditionFiles(const ConditionPlan& plan, bool log)
       log_(log && plan.log.messages != LoggedMessages::kNone ? std::make_unique<MessageLog>() : nullptr) {}
 
 ConditionFiles::~ConditionFiles() {
-    if (!thread_.joinable()) return;
     settle();
+    if (!thread_.joinable()) return;
     writing_ = Writing::kEnds;
     writing_.notify_one();
     thread_.join();
@@ -33,8 +36,21 @@ template <class Write>
 void ConditionFiles::attempt(Write&& write) {
     try {
         write();
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
         if (attempt_.empty()) attempt_ = error.what();
+    }
+}
+
+// And takes the memory that a trial needs, because its loop must not.
+void ConditionFiles::start() {
+    for (Lines* lines : {&fresh_, &handed_over_}) {
+        lines->samples.reserve(2 * kMostSamples);
+        lines->clocks.reserve(kMostSamples);
+    }
+    try {
+        if (!thread_.joinable()) thread_ = std::thread([this] { write_until_ended(); });
+    } catch (const std::system_error& error) {
+        throw Error(ExitCode::kRunFailed, "cannot start the thread that writes the files: {}", error.what());
     }
 }
 
@@ -71,6 +87,7 @@ void ConditionFiles::settle() {
 void ConditionFiles::open() {
     make_folder(plan_.out);
     clock_writer_.emplace(clock_path());
+    start();
     if (!log_) return;
     const auto path = messages_path("session");
     remove_file(path);
@@ -97,6 +114,8 @@ std::filesystem::path ConditionFiles::messages_path(const std::string& program) 
 
 void ConditionFiles::begin_trial(const TrialConditions& trial, std::uint32_t number,
                                  const std::filesystem::path& trajectory) {
+    settle();
+    start();
     trajectory_ = trajectory;
     if (!trajectory.empty()) {
         make_folder(trajectory.parent_path());
@@ -143,8 +162,8 @@ McapMap trial_note(const TrialConditions& trial, std::uint32_t number, SessionTi
 void ConditionFiles::flush() {
     if (writing_ != Writing::kNothing) return;  // a slow disk
     fault_ = attempt_;
+    if (fresh_.samples.empty() && fresh_.clocks.empty()) return;
     std::swap(fresh_, handed_over_);
-    if (!thread_.joinable()) thread_ = std::thread([this] { write_until_ended(); });
     writing_ = Writing::kHandedOver;
     writing_.notify_one();
 }

@@ -47,7 +47,7 @@ class ConditionFiles : boost::noncopyable {
                      const std::filesystem::path& trajectory);
     void add(const TrajectorySample& sample);
     void add(Role node, const ClockExchange& exchange, const ClockFilter& clock);
-    // Hands to the thread all that was added, unless it still waits for the disk: then with the next call.
+    // Hands all that was added to the thread. While the thread waits for the disk, the lines stay here for a later call.
     void flush();
     // Waits for the disk, as close_clocks() does.
     void end_trial(const TrialRecord& record);
@@ -70,6 +70,7 @@ class ConditionFiles : boost::noncopyable {
 
     template <class Write>
     void attempt(Write&& write);
+    void start();
     void write(Lines& lines);
     void write_until_ended();
     void settle();
@@ -89,7 +90,7 @@ class ConditionFiles : boost::noncopyable {
         handed_over_;      // the second is the thread's while it writes, as the writers and `attempt_` are
     std::string attempt_;  // why one failed
     std::atomic<Writing> writing_{Writing::kNothing};
-    std::thread thread_;  // from the first flush() on
+    std::thread thread_;
 };
 
 }  // namespace thimble

@@ -10,7 +10,7 @@ namespace thimble {
 namespace {
 
 constexpr Duration kPoll = std::chrono::milliseconds{20};   // look after children, stop requests
-constexpr Duration kFlush = std::chrono::milliseconds{80};  // trajectory to the system
+constexpr Duration kFlush = std::chrono::milliseconds{80};  // trajectory to the thread that writes it
 constexpr Duration kProgress = std::chrono::milliseconds{500};
 constexpr Duration kWordsAfter = std::chrono::milliseconds{500};  // of a node that waits for its user
 
@@ -83,6 +83,7 @@ void ConditionRun::open() {
 void ConditionRun::turn(SessionTime until) {
     loop_.step(both_, until);
     stop_.look();
+    files_.flush();
 }
 
 void ConditionRun::turn_before_trials() {

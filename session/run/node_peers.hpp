@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -94,6 +95,9 @@ class NodePeer {
     ClockProber prober_;
 };
 
+// Of a node that is there.
+inline constexpr std::string_view kGaveUp = "gave the trial up, because it heard nothing from a program";
+
 // In the order of kNodeRoles.
 class NodePeers {
   public:
@@ -132,8 +136,8 @@ class NodePeers {
     std::string silence(SessionTime now, Role role, std::uint32_t trial) const {
         const NodePeer& peer = of(role);
         if (peer.misses_peer(trial) && !peer.silent_for(now, kPeerTimeout))
-            return fmt::format("{} has heard nothing from another program for {:g} s", to_string(role),
-                               to_seconds(kPeerTimeout));
+            return fmt::format("{} {} that it needs: that one stood still, or its data were lost on the way",
+                               to_string(role), kGaveUp);
         if (!peer.known()) return fmt::format("{} has sent no message", to_string(role));
         return fmt::format("the last message from {} came {:.2f} s before", to_string(role),
                            to_seconds(now - peer.last_heard()));

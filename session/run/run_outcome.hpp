@@ -9,6 +9,7 @@
 #include "session/records/trial_table.hpp"
 #include "session/run/condition_files.hpp"
 #include "session/run/condition_nodes.hpp"
+#include "session/run/node_peers.hpp"
 #include "session/run/session_stop.hpp"
 
 namespace thimble {
@@ -36,12 +37,14 @@ class RunOutcome {
         } else if (record.reason == EndReason::kDeviceFault) {
             fail(ExitCode::kRunFailed, fault_text(record));
         } else if (record.reason == EndReason::kPeerLost) {
+            const bool gave_up = record.fault.find(kGaveUp) != std::string::npos;
             const bool plugin = record.conditions.compensator == Compensator::kPlugin;
             const auto dead = nodes_.dead_soon(plugin ? kLastWordsOfPlugin : kLastWords);
             fail(dead ? nodes_.verdict(*dead) : ExitCode::kNetwork,
-                 dead ? nodes_.exit_message(*dead)
-                      : fmt::format("lost contact with {}: {}; {}", to_string(record.lost_peer), record.fault,
-                                    nodes_.advice_on_silence()));
+                 dead      ? nodes_.exit_message(*dead)
+                 : gave_up ? record.fault
+                           : fmt::format("lost contact with {}: {}; {}", to_string(record.lost_peer),
+                                         record.fault, nodes_.advice_on_silence()));
         }
         add_write_fault(files_.fault());
     }

@@ -218,8 +218,10 @@ class Run {
         return result;
     }
 
+    // A trial does not wait: another condition may hold the lock until the disk has its row.
     void show(const TrialConditions& c, const TrajectorySample& s) {
-        const std::lock_guard guard(mutex_);
+        const std::unique_lock lock(mutex_, std::try_to_lock);
+        if (!lock) return;
         progress_.show(fmt::format("{} {}: {:.1f} s, needle {:.1f} mm, force {:.2f} N, contact {:.1f} s",
                                    delay_text(c.delay_s), to_string(c.modality), s.time_s,
                                    1000 * s.position_needle_m, s.force_total_N, s.contact_time_s),

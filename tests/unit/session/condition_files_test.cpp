@@ -14,7 +14,7 @@
 namespace thimble {
 namespace {
 
-constexpr std::uint32_t kSamples = 5000;  // 100 pages or so, more than one call of flush() hands over
+constexpr std::uint32_t kSamples = 5000;  // some 30 pages
 
 class SlowDisk {
   public:
@@ -85,16 +85,45 @@ TEST(ConditionFiles, ASlowDiskDelaysTheEndOfATrialAndNothingBefore) {
     EXPECT_EQ(read_trajectory(folder / "fast.csv").samples.size(), kSamples);
 }
 
+// Of a program that ends in its own way: a node does not answer, or a trial is broken off.
+TEST(ConditionFiles, KeepWhatWasAddedAlsoWithoutAnEnd) {
+    const TemporaryDirectory folder;
+    const ConditionPlan plan = plan_in(folder.path());
+    const auto clocks = plan.out / "clocks_0ms.csv";
+    const ClockExchange exchange{.answered = SessionTime{std::chrono::seconds{1}}};
+    {
+        ConditionFiles files(plan);
+        files.open();
+        files.add(Role::kNetem, exchange, {});
+    }
+    EXPECT_EQ(read_clock_file(clocks).size(), 1U);
+    {
+        ConditionFiles files(plan);
+        files.open();
+        files.begin_trial({}, 1, folder / "t.csv");
+        for (int i = 0; i < 100; ++i) {
+            files.add(i % 2 == 0 ? Role::kNetem : Role::kMaster, exchange, {});
+            add_some(files);
+        }
+    }
+    EXPECT_EQ(read_trajectory(folder / "t.csv").samples.size(), 100 * kSamples);
+    const auto records = read_clock_file(clocks);
+    ASSERT_EQ(records.size(), 100U);
+    EXPECT_EQ(records[0].node, Role::kNetem);
+    EXPECT_EQ(records[99].node, Role::kMaster);
+}
+
 TEST(ConditionFiles, AFaultOfTheDiskIsKnownSoon) {
     const TemporaryDirectory folder;
     const ConditionPlan plan = plan_in(folder.path());
     ConditionFiles files(plan);
     files.begin_trial({}, 1, folder / "t.csv");
-    files.flush();
+    add_some(files);
     std::filesystem::remove(folder / "t.csv");
     const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds{60};
     while (files.fault().empty() && std::chrono::steady_clock::now() < limit) {
         std::this_thread::sleep_for(std::chrono::milliseconds{1});
+        files.add({});
         files.flush();
     }
     EXPECT_NE(files.fault().find("was deleted during the run"), std::string::npos) << files.fault();

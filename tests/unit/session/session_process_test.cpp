@@ -105,7 +105,7 @@ TEST_F(MissedPeer, IsTheSilentOne) { EXPECT_EQ(blamed_after(milliseconds{300}), 
 // As when two heartbeats were lost.
 TEST_F(MissedPeer, IsTheAccuserIfNobodyIsSilent) {
     EXPECT_EQ(blamed_after(milliseconds{150}), Role::kMaster);
-    EXPECT_EQ(record().fault, "master has heard nothing from another program for 0.5 s");
+    EXPECT_TRUE(record().fault.starts_with("master gave the trial up, because it heard nothing"));
 }
 
 TEST_F(SessionProcessTest, WhoeverIsSilentForLongIsLost) {
