@@ -266,15 +266,14 @@ TEST(Guard, TripsInTheRealProgramAsTheSessionFileSays) {
     expect_end(run, 1, EndReason::kSafetyStop, "[guard] energy_limit_J = 0.001");
 }
 
-// A pipe stands for the file of the clocks. It is full, so that the first line has to wait.
+// A pipe stands for the file of the clocks. It is full from the first samples on.
 TEST(SlowDisk, DelaysTheEndOfARunAndNoTrial) {
     const Folder folder;
     std::filesystem::create_directories(folder / "nodes");
     const std::filesystem::path clocks = folder / "nodes" / "clocks_0ms.csv";
     ASSERT_EQ(::mkfifo(clocks.c_str(), 0600), 0);
     const int disk = ::open(clocks.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-    const std::string page(static_cast<std::size_t>(::fcntl(disk, F_SETPIPE_SZ, 4096)), ' ');
-    ASSERT_EQ(::write(disk, page.data(), page.size()), static_cast<ssize_t>(page.size()));
+    std::string bytes(1 << 16, ' ');
     const PortBlock ports;
     const std::string file = folder.write("session.toml", SessionFile{}.text()).string();
     Child run(built_programs() / "thimble",
@@ -283,12 +282,15 @@ TEST(SlowDisk, DelaysTheEndOfARunAndNoTrial) {
     const auto words = [&] { return read_text(folder / "words"); };
     const auto trajectory = folder / "trajectories" / "trial01_HF_0ms.csv";
     ASSERT_TRUE(wait_until([&] { return !read_text(trajectory).empty(); })) << words();
+    for (const std::size_t size : {bytes.size(), std::size_t{1}}) {
+        while (::write(disk, bytes.data(), size) > 0) {
+        }
+    }
     std::this_thread::sleep_for(3 * kPeerTimeout);
     // The run reads them in the end.
     ClockWriter(folder / "clocks.csv").flush();
     std::filesystem::rename(folder / "clocks.csv", clocks);
-    std::string rest(page.size(), '\0');
-    EXPECT_TRUE(wait_until([&] { return ::read(disk, rest.data(), rest.size()) < 0 && run.poll(); }));
+    EXPECT_TRUE(wait_until([&] { return ::read(disk, bytes.data(), bytes.size()) < 0 && run.poll(); }));
     ::close(disk);
     EXPECT_EQ(run.wait(kPatience), 0) << words();
     const auto rows = read_trial_table(folder / "trials.csv");
