@@ -86,8 +86,9 @@ class ConditionFiles : boost::noncopyable {
     std::optional<ClockWriter> clock_writer_;
     std::string fault_;
     unsigned restarts_ = 0;
-    Lines fresh_,
-        handed_over_;      // the second is the thread's while it writes, as the writers and `attempt_` are
+    Lines fresh_;
+    // The thread's while it writes, as the writers are.
+    Lines handed_over_;
     std::string attempt_;  // why one failed
     std::atomic<Writing> writing_{Writing::kNothing};
     std::thread thread_;
