@@ -41,7 +41,7 @@ void ConditionFiles::attempt(Write&& write) {
     }
 }
 
-// And takes the memory that a trial needs, because its loop must not.
+// Starts the thread, and takes the memory that a trial needs, because the loop of a trial allocates nothing.
 void ConditionFiles::start() {
     for (Lines* lines : {&fresh_, &handed_over_}) {
         lines->samples.reserve(2 * kMostSamples);

@@ -42,14 +42,13 @@ class ConditionFiles : boost::noncopyable {
     // From now on the nodes' files have other names, so a new node overwrites no file.
     void nodes_start_anew() { ++restarts_; }
 
-    // `trajectory`: empty, if none is to be written.
+    // Waits for the disk, as end_trial() and close_clocks() do. `trajectory`: empty, if none is to be written.
     void begin_trial(const TrialConditions& trial, std::uint32_t number,
                      const std::filesystem::path& trajectory);
     void add(const TrajectorySample& sample);
     void add(Role node, const ClockExchange& exchange, const ClockFilter& clock);
     // Hands all that was added to the thread. While the thread waits for the disk, the lines stay here for a later call.
     void flush();
-    // Waits for the disk, as close_clocks() does.
     void end_trial(const TrialRecord& record);
 
     // The clocks, computed from the exchanges in their file. None after a fault.
