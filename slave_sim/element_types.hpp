@@ -1,5 +1,5 @@
 // The types of element a scene can hold. To add one: a file elements/NAME.cpp that defines read_NAME, and its
-// name in this list. docs/contributing.md does it step by step.
+// name in this list. examples/additions/element.patch does both.
 #pragma once
 
 #include <span>

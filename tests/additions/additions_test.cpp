@@ -1,4 +1,4 @@
-// The parts that docs/contributing.md adds, beside the element (element_test.cpp): each is read from a file by its name, and works.
+// The parts that examples/additions add, beside the element (element_test.cpp): each is read from a file by its name, and works.
 #include <cmath>
 
 #include <gtest/gtest.h>

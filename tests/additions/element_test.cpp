@@ -1,5 +1,4 @@
-// The page says of its element, [gel], that it is "read, named, checked, stepped and put to sleep". It is compiled
-// into this program as docs/contributing.md prints it.
+// The element of examples/additions/element.patch, [gel]: a scene reads, names, checks and steps it, and lets it sleep.
 #include <string>
 #include <string_view>
 #include <vector>

@@ -121,33 +121,34 @@ CASES = (
     (type_names, "netem/b.cpp", "    using std::exp;\n    return exp(x);\n", None),
 )
 
-_FILE = "New file `slave_sim/gel.cpp`:\n\n```cpp\nint gel;\n```\n"
-_DIFF = "```diff\n+++ slave_sim/list.hpp\n one\n+gel\n@@\n-two\n+more\n```\n"
+_FILE = "--- /dev/null\n+++ b/slave_sim/gel.cpp\n@@ -0,0 +1 @@\n+int gel;\n"
+_DIFF = "--- a/slave_sim/list.hpp\n+++ b/slave_sim/list.hpp\n@@ -2,1 +2,2 @@\n one\n+gel\n@@ -3 +4 @@\n-two\n+more\n"
 _LIST = "zero\none\ntwo\n"
 
-# (page, list that it changes, part of the complaint, or None where there must be none)
+# (patch, list that it changes, part of the complaint, or None where there must be none)
 ADDITIONS = (
     (_FILE + _DIFF, _LIST, None),
     (_DIFF + _FILE, _LIST, None),
-    (_FILE.replace("`slave_sim/gel.cpp`:", "in the folder:") + _DIFF, _LIST, "has no line before it"),
-    (_FILE + _FILE + _DIFF, _LIST, "or its path twice"),
-    (_FILE.replace("gel.cpp", "list.hpp") + _DIFF, _LIST, "which the project has"),
-    (_FILE + _DIFF.replace("list.hpp", "lost.hpp"), _LIST, "which is not there"),
+    ("", _LIST, "no patch changes anything"),
+    (_FILE + _FILE + _DIFF, _LIST, "makes slave_sim/gel.cpp, which is there"),
+    (_FILE.replace("gel.cpp", "list.hpp") + _DIFF, _LIST, "makes slave_sim/list.hpp, which is there"),
+    (_FILE + _DIFF.replace("list.hpp", "lost.hpp"), _LIST, "changes slave_sim/lost.hpp, which is not there"),
     (_FILE + _DIFF, _LIST.replace("two", "twofold"), "that are there 0 times"),
     (_FILE + _DIFF, _LIST + "one\n", "that are there 2 times"),
-    (_FILE + _DIFF.replace(" one\n", ""), _LIST, "that are there"),
+    (_FILE + _DIFF.replace(" one\n", ""), _LIST, "other numbers of lines"),
+    (_FILE + _DIFF.replace("-2,1 +2,2", "-2,0 +2").replace(" one\n", ""), _LIST, "that are there"),
 )
 
 
-def addition_disagreement(page, text, expected):
+def addition_disagreement(patch, text, expected):
     try:
-        files = additions.make(page, lambda path: text if path == "slave_sim/list.hpp" else None)
+        files = additions.make([patch], lambda path: text if path == "slave_sim/list.hpp" else None)
     except additions.Mismatch as mismatch:
-        return None if expected and expected in str(mismatch) else f"{page!r}: {mismatch}, expected {expected!r}"
+        return None if expected and expected in str(mismatch) else f"{patch!r}: {mismatch}, expected {expected!r}"
     if expected:
-        return f"additions takes {page!r}, expected {expected!r}"
+        return f"additions takes {patch!r}, expected {expected!r}"
     good = {"slave_sim/gel.cpp": "int gel;\n", "slave_sim/list.hpp": "zero\none\ngel\nmore\n"}
-    return None if files == good else f"{page!r}: {files}"
+    return None if files == good else f"{patch!r}: {files}"
 
 
 def disagreement(check, path, text, expected):
