@@ -43,7 +43,7 @@ std::filesystem::path find_trajectory(const std::filesystem::path& folder, const
 Trajectory read_trajectory(const std::filesystem::path& path);
 
 // Changes during a trial that no sample holds: trajectories/<trial>.events.csv, beside the trajectory and only there if
-// something did. Columns time_s, event, value; docs/play.md lists the events. A profile is a group of seven lines of one time:
+// something did. Columns time_s, event, value. A delay is one line, a profile a group of seven lines of one time:
 // profile (its name), delay_s, jitter_spread_s, loss of the force path, and the same of the needle's.
 
 // trial01_HF_50ms.csv -> trial01_HF_50ms.events.csv

@@ -99,7 +99,7 @@ TEST(Ros2Export, SaysWhatALogOfOrdersCannotGive) {
     EXPECT_THAT(said.words, HasSubstr("set \"all\" in the session file"));
 }
 
-// As docs/interoperability.md has them.
+// As docs/network-profiles.md uses them.
 TEST(NetworkExamples, AreRead) {
     const Folder folder;
     const std::string network = THIMBLE_SOURCE_DIR "/examples/network/";
