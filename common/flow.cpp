@@ -82,9 +82,8 @@ void InboundFlow::refuse_admitted(Refusal refusal) {
     ++counters_.refused[static_cast<std::size_t>(refusal)];
 }
 
-OutboundFlow::OutboundFlow(Role sender, std::uint64_t instance, std::initializer_list<Channel*> channels) {
-    header_.sender = sender;
-    header_.instance = instance;
+OutboundFlow::OutboundFlow(Role sender, std::uint64_t instance, std::initializer_list<Channel*> channels)
+    : sender_(sender), instance_(instance) {
     assert(channels.size() <= channels_.size());
     for (Channel* channel : channels) {
         channels_[channel_count_++] = channel;

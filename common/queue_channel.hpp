@@ -94,7 +94,7 @@ class QueueChannel final : public Channel {
     }
     void arrived(SharedMessage* message) {
         shared(tail_++) = message;
-        shared_waits_ = shared(head_) != nullptr;
+        if (known_empty_) shared_waits_ = message != nullptr;
         known_empty_ = released_ = false;
         if (mask_ != nullptr) *mask_ |= bit_;
     }

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -142,9 +143,10 @@ class GuardedHandle final : public HapticDevice {
     }
 
     void begin_part() {
+        before_J_ = std::max(before_J_, highest_J_[slot_]);
         slot_ = (slot_ + 1) % kSlots;
-        highest_J_[slot_] = kNothingYet_J;
-        before_J_ = *std::max_element(highest_J_.begin(), highest_J_.end());
+        const double leaves_J = std::exchange(highest_J_[slot_], kNothingYet_J);
+        if (leaves_J >= before_J_) before_J_ = *std::max_element(highest_J_.begin(), highest_J_.end());
     }
 
     GuardSettings settings_;
