@@ -142,6 +142,7 @@ class GuardedHandle final : public HapticDevice {
         rules_.trip({text.data(), static_cast<std::size_t>(end.out - text.data())});
     }
 
+    // Looks at all parts only when the highest one leaves the window.
     void begin_part() {
         before_J_ = std::max(before_J_, highest_J_[slot_]);
         slot_ = (slot_ + 1) % kSlots;

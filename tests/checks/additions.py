@@ -22,7 +22,9 @@ def changes(patch):
     """(path, whether the file is new, old lines, new lines) of each change, in the order of the patch."""
     _, *parts = _FILE.split(patch)
     for before, path, text in zip(parts[::3], parts[1::3], parts[2::3]):
-        _, *hunks = _HUNK.split(text)
+        stray, *hunks = _HUNK.split(text)
+        if stray:
+            raise Mismatch(f"a patch changes {path} at no place:\n{stray}")
         for old_count, new_count, hunk in zip(hunks[::3], hunks[1::3], hunks[2::3]):
             old, new = ([line[1:] for line in hunk.splitlines(keepends=True) if line[0] in kinds] for kinds in (" -", " +"))
             if [len(old), len(new)] != [int(count or 1) for count in (old_count, new_count)]:

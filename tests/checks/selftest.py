@@ -130,6 +130,7 @@ ADDITIONS = (
     (_FILE + _DIFF, _LIST, None),
     (_DIFF + _FILE, _LIST, None),
     ("", _LIST, "no patch changes anything"),
+    (_FILE + _DIFF.replace("@@ -2,1 +2,2 @@", "@@"), _LIST, "changes slave_sim/list.hpp at no place"),
     (_FILE + _FILE + _DIFF, _LIST, "makes slave_sim/gel.cpp, which is there"),
     (_FILE.replace("gel.cpp", "list.hpp") + _DIFF, _LIST, "makes slave_sim/list.hpp, which is there"),
     (_FILE + _DIFF.replace("list.hpp", "lost.hpp"), _LIST, "changes slave_sim/lost.hpp, which is not there"),
