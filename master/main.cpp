@@ -1,7 +1,6 @@
 // thimble-master: the handle with the operator's hand on it.
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
@@ -125,8 +124,8 @@ int main(int argc, char** argv) {
     program.example = std::string(kName) + " deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "master", "guard", "handle", "operator", "control", "codec"};
     program.add_options = [&pointer](CLI::App& app) {
-        app.add_flag("--pointer", pointer,
-                     "let a person's mouse move the handle, instead of [handle] device");
+        add_flag(app, "--pointer", pointer,
+                 "let a person's mouse move the handle, instead of [handle] device");
     };
     program.read = [&pointer](const ConfigFile& file) {
         const HandleKind kind = read_handle(file, pointer).kind;

@@ -74,8 +74,9 @@ void MasterProcess::take_forces(SessionTime now) {
         take_forces_as<ForceFeedback>(now);
     }
     if (!running()) return;
-    stale_record_.watch(now, trial(), node_.stale(now));
-    apply(now, node_.fade(now));
+    const bool stale = node_.stale(now);
+    stale_record_.watch(now, trial(), stale);
+    if (stale) apply(now, node_.fade(now));
 }
 
 void MasterProcess::apply(SessionTime now, std::optional<double> force_hand_N) {

@@ -1,8 +1,6 @@
 // thimble-visual: what the operator may see.
 #include <utility>
 
-#include <CLI/CLI.hpp>
-
 #include "common/error.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/node_report.hpp"
@@ -99,21 +97,16 @@ int main(int argc, char** argv) {
     program.example = "thimble-visual deploy/sessions/delay50.toml --window";
     program.tables = {"network", "runtime", "visual", "instructions"};
     program.add_options = [&choices](CLI::App& app) {
-        app.add_flag("--window", choices.window, "open a window, even if [visual] display is \"recording\"");
-        app.add_flag("--fullscreen", choices.fullscreen, "fill the screen with the window");
-        app.add_option("--role", choices.role,
-                       "person at the window. subject: the picture of the paper's subjects; player: the "
-                       "mouse moves the needle, a panel sets force and delay; experimenter: a view of a "
-                       "running session (see --role experimenter --help)")
-            ->check(CLI::IsMember({"subject", "player"}))
-            ->default_val(choices.role);
-        app.add_option("--view", choices.view,
-                       "with --role player. cutaway: also shows the needle inside the tissue and the "
-                       "fixture; subject: the picture of the paper's subjects")
-            ->check(CLI::IsMember({"cutaway", "subject"}))
-            ->default_val(choices.view);
-        app.add_option("--screenshot", choices.screenshot, "save the last picture to this PNG file")
-            ->type_name("FILE");
+        add_flag(app, "--window", choices.window, "open a window, even if [visual] display is \"recording\"");
+        add_flag(app, "--fullscreen", choices.fullscreen, "fill the screen with the window");
+        add_word_option(app, "--role", choices.role, {"subject", "player"},
+                        "person at the window. subject: the picture of the paper's subjects; player: the "
+                        "mouse moves the needle, a panel sets force and delay; experimenter: a view of a "
+                        "running session (see --role experimenter --help)");
+        add_word_option(app, "--view", choices.view, {"cutaway", "subject"},
+                        "with --role player. cutaway: also shows the needle inside the tissue and the "
+                        "fixture; subject: the picture of the paper's subjects");
+        add_file_option(app, "--screenshot", choices.screenshot, "save the last picture to this PNG file");
     };
     program.read = [](const ConfigFile& file) {
         read_visual_settings(file);

@@ -182,6 +182,19 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
     return std::nullopt;
 }
 
+void add_flag(CLI::App& command, const char* name, bool& value, const char* help) {
+    command.add_flag(name, value, help);
+}
+
+void add_word_option(CLI::App& command, const char* name, std::string& word,
+                     const std::vector<std::string>& allowed, const char* help) {
+    command.add_option(name, word, help)->check(CLI::IsMember(allowed))->default_val(word);
+}
+
+void add_file_option(CLI::App& command, const char* name, std::string& file, const char* help) {
+    command.add_option(name, file, help)->type_name("FILE");
+}
+
 void add_jobs_option(CLI::App& command, unsigned& jobs) {
     command
         .add_option("-j,--jobs", jobs,

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/csv/csv_file.hpp"
 
@@ -17,6 +18,12 @@ namespace thimble {
 // been said. Counts are digits alone, without a sign, and numbers finite, whatever else their options allow. Every program
 // also answers a shell that completes its words (answer_shell), and takes `help [COMMAND...]` and `version` as first words.
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
+
+// Options of programs that do not see CLI11 themselves: a source that sees it compiles all of it, optimised or not.
+void add_flag(CLI::App& command, const char* name, bool& value, const char* help);
+void add_word_option(CLI::App& command, const char* name, std::string& word,
+                     const std::vector<std::string>& allowed, const char* help);
+void add_file_option(CLI::App& command, const char* name, std::string& file, const char* help);
 
 // Options that mean the same in every command. `work` names what --resume goes on with: "study".
 void add_jobs_option(CLI::App& command, unsigned& jobs);

@@ -1,4 +1,4 @@
-// thimble sweep: what it takes, and what it does.
+// The arguments of thimble sweep, and their effect.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,6 @@
 
 #include "common/csv/csv_file.hpp"
 #include "study/maps/map_grid.hpp"
-
-namespace CLI {  // NOLINT(readability-identifier-naming): theirs
-class App;
-}
 
 namespace thimble {
 
@@ -29,7 +25,6 @@ struct SweepArguments {
     IfExists if_exists = IfExists::kRefuse;
 };
 
-void add_sweep_options(CLI::App& command, SweepArguments& arguments);
 // Throws Error (usage).
 MapGrid grid_of(const SweepArguments& arguments);
 // Block size: at most a column, whose cells share their theory, and small enough that all workers have work to the
