@@ -94,10 +94,7 @@ TEST_F(FalconProgram, AMasterThatIsKilledOrStoppedLeavesNoForce) {
         PlayedSession session(node, Role::kMaster, Modality::kHF);
         OutboundFlow slave(Role::kSlaveSim, 7, {node.peers().outlet(Port::kMasterForce)});
         const auto push = [&](SessionTime now) {
-            ForceFeedback feedback;
-            feedback.force_total_N = -2;
-            feedback.echo_time = now;
-            slave.send(now, kPlayedTrial, feedback);
+            slave.send(now, kPlayedTrial, ForceFeedback{.force_total_N = -2, .echo_time = now});
         };
         ASSERT_TRUE(session.play(push, pushes)) << node.words();
         const auto before = counted(&FalconEmulator::commands_with_force);

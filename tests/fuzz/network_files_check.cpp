@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <string>
 
 #include <fmt/format.h>
@@ -96,6 +96,12 @@ std::string flaw_of_path(const MeasuredPath& path) {
     return flaw_of_link(fit_path(path).link);
 }
 
+Verdict check_trace(std::string_view text) { return {true, flaw_of_path(parse_path(text, kNetworkName))}; }
+
+Verdict check_ping(std::string_view text) {
+    return {true, flaw_of_path(parse_ping(text, kNetworkName, std::chrono::seconds{1}))};
+}
+
 Verdict check_deliveries(std::string_view text) {
     const DeliveryTrace trace = parse_delivery_trace(text, kNetworkName);
     const bool sorted = std::is_sorted(trace.times_ms().begin(), trace.times_ms().end());
@@ -138,7 +144,8 @@ Verdict check_profile(std::string_view text) {
 }
 
 // Every span lies in the frame, and the parts of what is carried are there.
-Verdict check_ip_packet(Bytes frame) {
+Verdict check_ip_packet(std::string_view text) {
+    const Bytes frame = bytes_of_text(text);
     for (const Bytes bytes : {frame, ip_of_frame(frame)}) {
         const IpPacket packet = read_ip_packet(bytes);
         if (packet.kind == IpKind::kGarbage) continue;
@@ -151,28 +158,10 @@ Verdict check_ip_packet(Bytes frame) {
     return {};
 }
 
-Verdict check_with_reader(unsigned reader, std::string_view text) {
-    switch (reader) {
-        case 0:
-            return check_words(text);
-        case 1:
-            return check_table(text);
-        case 2:
-            return {true, flaw_of_path(parse_path(text, kNetworkName))};
-        case 3:
-            return check_deliveries(text);
-        case 4:
-            return check_capture(text);
-        case 5:
-            return check_irtt(text);
-        case 6:
-            return {true, flaw_of_path(parse_ping(text, kNetworkName, std::chrono::seconds{1}))};
-        case 7:
-            return check_profile(text);
-        default:
-            return check_ip_packet(bytes_of_text(text));
-    }
-}
+// By the first byte.
+constexpr std::array<Verdict (*)(std::string_view), kNetworkReaders> kNetworkChecks{
+    check_words, check_table, check_trace,   check_deliveries, check_capture,
+    check_irtt,  check_ping,  check_profile, check_ip_packet};
 
 std::string flaw_of_network_refusal(const Error& error, unsigned reader) {
     const bool typed = reader == 0 || reader == 7;  // by a person, in a command line or a configuration
@@ -191,7 +180,7 @@ Verdict check_network_files(Bytes bytes) {
     if (bytes.empty()) return {};
     const unsigned reader = bytes.front() % 16U % kNetworkReaders;  // '0' is 0
     try {
-        return check_with_reader(reader, text_of(bytes.subspan(1)));
+        return kNetworkChecks[reader](text_of(bytes.subspan(1)));
     } catch (const Error& error) {
         return {false, flaw_of_network_refusal(error, reader)};
     }

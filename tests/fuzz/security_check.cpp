@@ -31,13 +31,8 @@ class HandshakeCheck {
     explicit HandshakeCheck(Bytes bytes) : script_(bytes) {}
 
     Verdict run() {
-        Verdict verdict;
-        for (std::size_t i = 0; i < kMostMoves && !script_.over() && verdict.flaw.empty(); ++i) {
-            move();
-            if (!flaw_.empty()) verdict.flaw = flaw_;
-        }
-        verdict.accepted = rig_.session->established();
-        return verdict;
+        for (std::size_t i = 0; i < kMostMoves && !script_.over() && flaw_.empty(); ++i) move();
+        return {rig_.session->established(), flaw_};
     }
 
   private:
@@ -128,18 +123,14 @@ Verdict check_sealed(Bytes bytes) {
         if (counters.forged + counters.replayed != 1) verdict.flaw = "not counted";
     }
     KeyText written{};
-    if (const auto grant = read_grant(bytes)) {
+    const auto came_back = [&](Bytes again, const char* flaw) {
         verdict.accepted = true;
-        const Bytes again = write_grant(*grant, written);
-        if (!std::equal(again.begin(), again.end(), bytes.begin(), bytes.end()))
-            verdict.flaw = "a grant read differently";
-    }
-    if (const auto receipt = read_receipt(bytes)) {
-        verdict.accepted = true;
-        const Bytes again = write_receipt(*receipt, written);
-        if (!std::equal(again.begin(), again.end(), bytes.begin(), bytes.end()))
-            verdict.flaw = "a receipt read differently";
-    }
+        if (!std::ranges::equal(again, bytes)) verdict.flaw = flaw;
+    };
+    if (const auto grant = read_grant(bytes))
+        came_back(write_grant(*grant, written), "a grant read differently");
+    if (const auto receipt = read_receipt(bytes))
+        came_back(write_receipt(*receipt, written), "a receipt read differently");
     return verdict;
 }
 

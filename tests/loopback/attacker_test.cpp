@@ -245,7 +245,6 @@ TEST_F(LabKeyTest, ARunUnderAFloodEndsAsWithout) {
 TEST_F(LabKeyTest, ANodeWithAnotherKeyIsNamed) {
     create_lab_key(folder_ / "other.key", system_random_bytes());
     const std::filesystem::path programs = folder_ / "bin";
-    std::filesystem::create_directories(programs);
     install_programs(programs);
     replace_program(programs / "thimble-cutaneous",
                     "export THIMBLE_LAB_KEY_FILE=" + (folder_ / "other.key").string() + "\nexec " +

@@ -127,6 +127,13 @@ TEST(DriveCheck, InterruptedItLeavesNoDriveWithVoltage) {
         each([](const DriveEmulator& drive) { return drive.state() == DriveState::kSwitchOnDisabled; }));
 }
 
+SessionFile session_of_device(const std::string& device, const std::string& keys) {
+    SessionFile file;
+    file.contact_hold_s = 0.3;
+    file.more = "[handle]\ndevice = \"" + device + "\"\n" + keys;
+    return file;
+}
+
 // A trial with a real handle's driver in the real master: Force Dimension's, with a library of our own behind it that plays a hand.
 class HandleRun : public testing::Test {
   protected:
@@ -134,12 +141,8 @@ class HandleRun : public testing::Test {
     SessionFile session(const std::string& script) {
         const auto path = folder_.write("script", "log " + (folder_ / "log").string() + '\n' + script);
         setenv("THIMBLE_FAKE_DHD", path.c_str(), 1);
-        SessionFile file;
-        file.contact_hold_s = 0.3;
-        file.more =
-            "[handle]\ndevice = \"force-dimension\"\n[handle.force_dimension]\nlibrary = "
-            "\"" THIMBLE_FAKE_DHD_FILE "\"\n";
-        return file;
+        return session_of_device("force-dimension",
+                                 "force_dimension.library = \"" THIMBLE_FAKE_DHD_FILE "\"\n");
     }
     std::string device_log() const { return read_text(folder_ / "log"); }
 
@@ -189,13 +192,6 @@ void expect_a_persons_trial(const SessionFile& file, Go go, Look look) {
     }
 }
 
-SessionFile session_of_device(const std::string& device, const std::string& keys) {
-    SessionFile file;
-    file.contact_hold_s = 0.3;
-    file.more = "[handle]\ndevice = \"" + device + "\"\n" + keys;
-    return file;
-}
-
 TEST(HaplyRun, APersonsTrialIsFeltThroughTheService) {
     MockHaply service({"press=0.02"});
     const SessionFile file =
@@ -213,12 +209,6 @@ TEST(HaplyRun, WithoutTheServiceTheRunSaysWhatToStart) {
     RealRun run(session_of_device("haply", "haply.port = 1\n"));
     EXPECT_NE(run.end(), 0);
     EXPECT_THAT(run.words(), HasSubstr("no Haply Inverse Service at ws://localhost:1: Connection refused"));
-}
-
-TEST(HaplyRun, LockStepRefusesARealHandle) {
-    RealRun run(session_of_device("haply", ""), kLockStep);
-    EXPECT_EQ(run.end(), 2) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("device"));
 }
 
 TEST_F(HandleRun, APersonsTrialIsFeltThroughTheTouch) {

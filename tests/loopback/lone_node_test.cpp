@@ -182,8 +182,8 @@ TEST(LoneNetem, GivesUpWithoutASession) {
 // By commands of another terminal that hear nothing of each other, under a lab key.
 TEST(LoneMaster, HoldsAStopUntilSomebodyWhoHasJustComeReleasesIt) {
     Folder folder;
-    const std::filesystem::path thimble = built_programs() / "thimble", key = folder / "lab.key";
-    ASSERT_EQ(run_to_end(thimble, {"keygen", key.string()}).code, 0);
+    const std::filesystem::path key = folder / "lab.key";
+    ASSERT_EQ(run_thimble({"keygen", key.string()}).code, 0);
     ASSERT_TRUE(std::filesystem::exists(key));  // or under_lab_key would make it
     const std::string config = under_lab_key(key);
     LoneNode node("thimble-master", config);
@@ -195,11 +195,11 @@ TEST(LoneMaster, HoldsAStopUntilSomebodyWhoHasJustComeReleasesIt) {
     std::vector<std::string> why = stop, release = stop;
     why.insert(why.end(), {"--reason", "smoke"});
     release.emplace_back("--release");
-    EXPECT_EQ(run_to_end(thimble, why).code, 0);
-    const Outcome released = run_to_end(thimble, release);
+    EXPECT_EQ(run_thimble(why).code, 0);
+    const Outcome released = run_thimble(release);
     EXPECT_EQ(released.code, 0) << released.words;
     EXPECT_THAT(released.words, testing::HasSubstr("released: smoke"));
-    EXPECT_THAT(run_to_end(thimble, release).words, testing::HasSubstr("nothing was stopped here"));
+    EXPECT_THAT(run_thimble(release).words, testing::HasSubstr("nothing was stopped here"));
     EXPECT_EQ(node.terminate(), 0);
 }
 

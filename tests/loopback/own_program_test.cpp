@@ -48,6 +48,12 @@ class OwnProgram : public testing::Test {
     std::string lock_step(const std::string& out) const {
         return fmt::format("--clock lock-step --out {}", (folder_ / out).string());
     }
+    void expect_end(int code, const std::string& words) const {
+        const Outcome outcome = run(lock_step("out"));
+        EXPECT_EQ(outcome.code, code);
+        EXPECT_THAT(outcome.words, HasSubstr(words));
+        EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
+    }
     // It waits for as long as a machine that stands still for a moment needs.
     void expect_lost(Role lost, const std::string& words) const {
         const Outcome outcome = run(lock_step("out") + " --answer-limit-s 5");
@@ -89,12 +95,9 @@ TEST_F(OwnProgram, ASlaveInPythonGivesTheSameBytesEachTime) {
 
 TEST_F(OwnProgram, ThatSpeaksAnotherVersionIsNamed) {
     change("LOCK_STEP.pack(VERSION", "LOCK_STEP.pack(7");
-    const Outcome outcome = run(lock_step("out"));
-    EXPECT_EQ(outcome.code, 3);
-    EXPECT_THAT(
-        outcome.words,
-        HasSubstr("slave_sim sends a lock-step message of 96 bytes and version 7, but this program uses "
-                  "version 2"));
+    expect_end(3,
+               "slave_sim sends a lock-step message of 96 bytes and version 7, but this program uses "
+               "version 2");
 }
 
 // By netem, and by the session, which is in the conductor itself.
@@ -123,20 +126,12 @@ TEST_F(OwnProgram, ThatDoesNotAnswerIsNamed) {
 // It would hold the session's clock for ever.
 TEST_F(OwnProgram, ThatIsAlwaysDueIsNamed) {
     change("else node.tick(time_ns, counts)", "else node.tick(time_ns, counts) * 0");
-    const Outcome outcome = run(lock_step("out"));
-    EXPECT_EQ(outcome.code, 3);
-    EXPECT_THAT(outcome.words,
-                HasSubstr("lock-step: slave_sim has asked 1001 times in a row for its next event"));
-    EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
+    expect_end(3, "lock-step: slave_sim has asked 1001 times in a row for its next event");
 }
 
 TEST_F(OwnProgram, ThatCannotBeStartedIsNamed) {
     change("#!/usr/bin/env python3", "#!/no/such/interpreter");
-    const Outcome outcome = run(lock_step("out"));
-    EXPECT_EQ(outcome.code, 1);
-    EXPECT_THAT(
-        outcome.words,
-        HasSubstr("slave.py: No such file or directory; does its first line name a program that runs it"));
+    expect_end(1, "slave.py: No such file or directory; does its first line name a program that runs it");
 }
 
 TEST_F(OwnProgram, IsRefusedWhereThimbleHasItsOwnAlone) {

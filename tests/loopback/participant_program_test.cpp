@@ -211,7 +211,6 @@ TEST(ParticipantProgram, FoldersOfTheWrongKindAreRefused) {
     sessions.dataset().open(SubjectKind::kHuman, {});
     const std::string before = read_text(sessions.dataset().description());
     const std::string data = sessions.dataset().folder().string();
-    const auto thimble = built_programs() / "thimble";
     const std::string virtual_file = sessions.write("virtual.toml", "subject = 7").string();
     const std::string plain_file = sessions.folder().write("plain.toml", "").string();
     for (const std::vector<std::string>& command :
@@ -221,7 +220,7 @@ TEST(ParticipantProgram, FoldersOfTheWrongKindAreRefused) {
           {"study", "--out", data},
           {"study", "--overwrite", "--out", data},
           {"study", "--seeds", "2", "--out", data}}) {
-        const Outcome refused = run_to_end(thimble, command);
+        const Outcome refused = run_thimble(command);
         EXPECT_EQ(refused.code, 2) << refused.words;
         EXPECT_THAT(refused.words, HasSubstr("human"));
         EXPECT_THAT(refused.words, HasSubstr("--out"));
@@ -248,13 +247,6 @@ TEST(ParticipantProgram, TheOrderIsWrittenBeforeTheParticipant) {
 }
 
 // `thimble run --monitor`: a view watches, and sends the orders that a participant session knows.
-Order order_of(OrderKind kind, std::uint32_t trial = 0) {
-    Order order;
-    order.kind = kind;
-    order.trial = trial;
-    return order;
-}
-
 bool watch(PlayedView& view, const std::function<bool()>& done) {
     return wait_until([&] {
         view.listen(wall_now());
@@ -270,21 +262,11 @@ TEST(MonitorOfARun, ShowsTheTrialAndTakesQuit) {
     EXPECT_EQ(view.monitor().position_fixture_m, 0.035);
     EXPECT_GT(view.monitor().accepted, 100U);
     EXPECT_TRUE(watch(view, [&] { return view.monitor().one_way_s >= 0; }));
-    Order delay = order_of(OrderKind::kDelay);
-    delay.value = 0.4;  // a condition of the trial: refused
-    view.order(wall_now(), delay);
-    view.order(wall_now(), order_of(OrderKind::kQuit));
+    view.order(wall_now(), OrderKind::kDelay, 0.4);  // a condition of the trial: refused
+    view.order(wall_now(), OrderKind::kQuit);
     EXPECT_EQ(run.end(), 1);
     EXPECT_EQ(view.monitor().network_delay_s, 0);
     EXPECT_EQ(run.only_reason(), EndReason::kInterrupted);
-}
-
-TEST(MonitorOfARun, WithoutItNobodyListens) {
-    RealRun run(SessionFile::endless());
-    ASSERT_TRUE(run.reaches_trial()) << run.words();
-    EXPECT_NO_THROW(UdpChannel(network_at(run.base_port()).at(Port::kSessionOrders), {"127.0.0.1", 0}));
-    run.launcher().signal(SIGTERM);
-    run.end();
 }
 
 TEST(MonitorOfAParticipantSession, ATrialIsRepeatedWhenTheViewAsks) {
@@ -293,8 +275,10 @@ TEST(MonitorOfAParticipantSession, ATrialIsRepeatedWhenTheViewAsks) {
     PlayedView view(sessions.base_port());
     ASSERT_TRUE(watch(view, [&] { return view.running(); })) << sessions.words();
     EXPECT_EQ(view.monitor().trials, 2U);
-    view.order(wall_now(), order_of(OrderKind::kRepeat, view.trial()));
-    view.order(wall_now(), order_of(OrderKind::kRepeat, view.trial()));  // said again
+    Order repeat;
+    repeat.kind = OrderKind::kRepeat;
+    repeat.trial = view.trial();
+    for (int said = 0; said < 2; ++said) view.order(wall_now(), repeat);
     EXPECT_TRUE(watch(view, [&] { return child.poll().has_value(); }));
     EXPECT_EQ(child.wait(kPatience).value_or(-1), 0) << sessions.words();
     const auto records = sessions.records();

@@ -33,6 +33,12 @@ class PlayedView {
     }
     // For the trial that the Monitor showed last, as a view does it.
     void order(SessionTime now, const Order& order) { orders_.send(now, trial_, order); }
+    void order(SessionTime now, OrderKind kind, double value = 0) {
+        Order order;
+        order.kind = kind;
+        order.value = value;
+        orders_.send(now, trial_, order);
+    }
 
     const Monitor& monitor() const { return monitor_; }
     const ReplayState& replay() const { return replay_; }  // of length 0 before the first

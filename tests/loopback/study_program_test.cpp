@@ -20,57 +20,76 @@ using testing::Not;
 using testing::StartsWith;
 using Json = nlohmann::ordered_json;
 
-Outcome thimble_with(const std::vector<std::string>& arguments) { return run_thimble(arguments); }
+bool has_gnuplot() {
+    try {
+        run_program("gnuplot", {"-V"}, ".", "");
+    } catch (const Error&) {
+        return false;
+    }
+    return true;
+}
+
+// Each also as PDF.
+void expect_figures(const std::filesystem::path& out) {
+    for (const char* figure : {"trajectories", "bars", "subjects", "distributions", "differences"}) {
+        EXPECT_THAT(read_text(out / "figures" / (std::string(figure) + ".pdf")), StartsWith("%PDF"));
+        EXPECT_THAT(read_text(out / "figures" / (std::string(figure) + ".svg")), HasSubstr("</svg>"));
+    }
+    EXPECT_THAT(read_text(out / "report.html"), Not(HasSubstr("o figures:")));
+}
 
 TEST(StudyProgram, RemovalsAreRunKeptResumedAndAnalysed) {
+    const bool draws = has_gnuplot();
     const Folder folder;
     const std::string out = (folder / "out").string();
     const std::vector<std::string> command{"study", "--experiment", "2", "--subjects", "4", "--out", out};
-    const Outcome study = thimble_with(command);
+    const Outcome study = run_thimble(command);
     EXPECT_EQ(study.code, 0) << study.words;
     EXPECT_THAT(study.words, HasSubstr("peak displacement"));
     EXPECT_THAT(read_text(folder / "out" / "subjects.csv"), StartsWith("cohort,subject,"));
     const std::string table = read_text(folder / "out" / "trials.csv");
+    if (draws) expect_figures(folder / "out");
 
-    EXPECT_EQ(thimble_with(command).code, 2);  // refuses to overwrite
+    EXPECT_EQ(run_thimble(command).code, 2);  // refuses to overwrite
     std::vector<std::string> resume = command;
     resume.emplace_back("--resume");
-    const Outcome again = thimble_with(resume);
+    const Outcome again = run_thimble(resume);
     EXPECT_EQ(again.code, 0) << again.words;
     EXPECT_THAT(again.words, HasSubstr("8 trials were already done"));
     EXPECT_EQ(read_text(folder / "out" / "trials.csv"), table);
     std::filesystem::remove(folder / "out" / "trials_curves.csv");
-    const Outcome without_curves = thimble_with(resume);
+    const Outcome without_curves = run_thimble(resume);
     EXPECT_EQ(without_curves.code, 5) << without_curves.words;
     EXPECT_THAT(without_curves.words, AllOf(HasSubstr("trials_curves.csv"), HasSubstr("--out")));
     resume.insert(resume.end(), {"--seed", "2"});
-    EXPECT_EQ(thimble_with(resume).code, 2);
+    EXPECT_EQ(run_thimble(resume).code, 2);
     EXPECT_EQ(read_text(folder / "out" / "trials.csv"), table);
 
-    const Outcome analysed = thimble_with({"analyse", out, "--out", (folder / "analysis").string()});
+    const Outcome analysed = run_thimble({"analyse", out, "--out", (folder / "analysis").string()});
     EXPECT_EQ(analysed.code, 0) << analysed.words;
     EXPECT_THAT(analysed.words,
                 AllOf(HasSubstr("Which conditions oscillate"), HasSubstr("peak displacement")));
     for (const char* file : {"findings.json", "claims.json"})
         EXPECT_EQ(read_text(folder / "analysis" / file), read_text(folder / "out" / file)) << file;
 
-    const Outcome json = thimble_with({"analyse", out, "--json"});
+    const Outcome json = run_thimble({"analyse", out, "--json"});
     EXPECT_EQ(json.code, 0) << json.words;
     const auto parsed = Json::parse(json.words);
     EXPECT_EQ(parsed["claims"].dump(), Json::parse(read_text(folder / "out" / "claims.json")).dump());
     EXPECT_EQ(parsed["findings"].dump(), Json::parse(read_text(folder / "out" / "findings.json")).dump());
     EXPECT_EQ(parsed["answer"].size(), 3U);
+    if (!draws) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
 }
 
 // Of a table by itself its rows say whether the design is the paper's; beside a summary the summary does.
 TEST(StudyProgram, ClaimsAreJudgedOnlyOfThePapersDesign) {
     const Folder folder;
     const std::string out = (folder / "out").string();
-    const Outcome study = thimble_with({"study", "--experiment", "3", "--subjects", "1", "--out", out});
+    const Outcome study = run_thimble({"study", "--experiment", "3", "--subjects", "1", "--out", out});
     EXPECT_EQ(study.code, 0) << study.words;
     EXPECT_THAT(study.words, HasSubstr("1 subject is too few for a test between modalities"));
     const auto claims_of = [&](const std::filesystem::path& table) {
-        const Outcome analysed = thimble_with({"analyse", table.string(), "--json"});
+        const Outcome analysed = run_thimble({"analyse", table.string(), "--json"});
         EXPECT_EQ(analysed.code, 0) << analysed.words;
         return Json::parse(analysed.words).value("claims", Json::array()).size();
     };
@@ -89,16 +108,21 @@ TEST(StudyProgram, ClaimsAreJudgedOnlyOfThePapersDesign) {
     EXPECT_EQ(claims_of(table), 0U);
 }
 
-// The fit and the options say what ran, not the session file.
-TEST(StudyProgram, AllParametersAreThoseThatRan) {
+// The fit and the options say what ran, not the session file. Commands that share an option's variable once shared its default too:
+// results went into "out/report.html".
+TEST(StudyProgram, AllParametersAreThoseThatRanAndNoNamedFolderMeansItsOwn) {
     const Folder folder;
     const std::string fit = (folder / "fit.json").string();
     std::ofstream(fit) << R"({"parameters": {"operator.criterion_N": {"median": 3.25}}})";
-    const Outcome study =
-        thimble_with({"study", "--experiment", "3", "--subjects", "1", "--seed", "9", "--order", "williams",
-                      "--no-control", "--from", fit, "--out", (folder / "out").string()});
+    const std::filesystem::path before = std::filesystem::current_path(), out = folder / "here/out/study";
+    std::filesystem::create_directory(folder / "here");
+    std::filesystem::current_path(folder / "here");
+    const Outcome study = run_thimble({"study", "--experiment", "3", "--subjects", "1", "--seed", "9",
+                                       "--order", "williams", "--no-control", "--from", fit});
+    std::filesystem::current_path(before);
     EXPECT_EQ(study.code, 0) << study.words;
-    const Json provenance = Json::parse(read_text(folder / "out" / "summary.json"))["provenance"];
+    EXPECT_TRUE(std::filesystem::exists(out / "trials.csv"));
+    const Json provenance = Json::parse(read_text(out / "summary.json"))["provenance"];
     EXPECT_THAT(provenance["all parameters of paper-experiment-3.toml"].get<std::string>(),
                 AllOf(HasSubstr("\noperator.criterion_N = 3.25\n"),
                       HasSubstr("\noperator.spread_speed = 0\n"), HasSubstr("\nsession.seed = 9\n"),
@@ -106,43 +130,12 @@ TEST(StudyProgram, AllParametersAreThoseThatRan) {
     EXPECT_THAT(provenance["fit " + fit].get<std::string>(), HasSubstr("3.25"));
 }
 
-TEST(StudyProgram, FiguresAreAlsoPdf) {
-    try {
-        run_program("gnuplot", {"-V"}, ".", "");
-    } catch (const Error&) {
-        GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
-    }
-    const Folder folder;
-    const Outcome study =
-        thimble_with({"study", "--experiment", "2", "--subjects", "4", "--out", (folder / "out").string()});
-    EXPECT_EQ(study.code, 0) << study.words;
-    for (const char* figure : {"trajectories", "bars", "subjects", "distributions", "differences"}) {
-        EXPECT_THAT(read_text(folder / "out" / "figures" / (std::string(figure) + ".pdf")),
-                    StartsWith("%PDF"));
-        EXPECT_THAT(read_text(folder / "out" / "figures" / (std::string(figure) + ".svg")),
-                    HasSubstr("</svg>"));
-    }
-    EXPECT_THAT(read_text(folder / "out" / "report.html"), Not(HasSubstr("o figures:")));
-}
-
-// Commands that share an option's variable once shared its default too: results went into "out/report.html".
-TEST(StudyProgram, GoesIntoItsOwnFolderIfNoneIsNamed) {
-    const Folder folder;
-    const std::filesystem::path before = std::filesystem::current_path();
-    std::filesystem::create_directory(folder / "here");
-    std::filesystem::current_path(folder / "here");
-    const Outcome study = thimble_with({"study", "--experiment", "2", "--subjects", "1"});
-    std::filesystem::current_path(before);
-    EXPECT_EQ(study.code, 0) << study.words;
-    EXPECT_TRUE(std::filesystem::exists(folder / "here" / "out" / "study" / "trials.csv"));
-}
-
 TEST(StudyProgram, MistakesAreNamed) {
     const Folder folder;
-    EXPECT_EQ(thimble_with({"study", "--experiment", "4"}).code, 2);
-    EXPECT_EQ(thimble_with({"study", "--order", "latin"}).code, 2);
-    EXPECT_EQ(thimble_with({"study", "--resume", "--overwrite"}).code, 2);
-    EXPECT_EQ(thimble_with({"study", "--seeds", "2", "--json"}).code, 2);
+    EXPECT_EQ(run_thimble({"study", "--experiment", "4"}).code, 2);
+    EXPECT_EQ(run_thimble({"study", "--order", "latin"}).code, 2);
+    EXPECT_EQ(run_thimble({"study", "--resume", "--overwrite"}).code, 2);
+    EXPECT_EQ(run_thimble({"study", "--seeds", "2", "--json"}).code, 2);
     const std::string out = (folder / "out").string();
     for (const std::vector<std::string>& sweep : {std::vector<std::string>{"--seeds", "2"},
                                                   {"--draws", "2"},
@@ -150,7 +143,7 @@ TEST(StudyProgram, MistakesAreNamed) {
         for (const char* option : {"--resume", "--trajectories", "--json", "--no-control"}) {
             std::vector<std::string> command{"study", option, "--out", out};
             command.insert(command.end(), sweep.begin(), sweep.end());
-            const Outcome refused = thimble_with(command);
+            const Outcome refused = run_thimble(command);
             EXPECT_EQ(refused.code, 2) << refused.words;
             EXPECT_THAT(refused.words, HasSubstr(sweep[0]));
             EXPECT_FALSE(std::filesystem::exists(out));
@@ -158,12 +151,12 @@ TEST(StudyProgram, MistakesAreNamed) {
     }
     for (const char* range : {"handle.fricion_N=0:1:3", "handle.friction_N=0:1", "handle.friction_N=0:9:3"}) {
         const std::string varied = (folder / "varied").string();
-        const Outcome refused = thimble_with({"study", "--vary", range, "--out", varied});
+        const Outcome refused = run_thimble({"study", "--vary", range, "--out", varied});
         EXPECT_EQ(refused.code, 2) << refused.words;
         EXPECT_THAT(refused.words, HasSubstr("handle.fric"));
         EXPECT_FALSE(std::filesystem::exists(out));
     }
-    const Outcome missing = thimble_with({"analyse", (folder / "nothing.csv").string()});
+    const Outcome missing = run_thimble({"analyse", (folder / "nothing.csv").string()});
     EXPECT_EQ(missing.code, 5) << missing.words;
     EXPECT_THAT(missing.words, HasSubstr("nothing.csv"));
 }

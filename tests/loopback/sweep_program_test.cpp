@@ -34,14 +34,17 @@ std::vector<std::string> map_words(const std::filesystem::path& out, const std::
 }
 
 // One machine's ranks, also where there are fewer cores, as root in a container, without a network.
-std::vector<std::string> with_ranks(int ranks, const std::filesystem::path& program,
-                                    std::vector<std::string> words) {
-    words.insert(words.begin(), program.string());
+std::vector<std::string> with_ranks(int ranks, std::vector<std::string> words) {
+    words.insert(words.begin(), (built_programs() / "thimble").string());
     return words_in(
         "--allow-run-as-root --oversubscribe --bind-to none --mca btl self,vader,tcp "
         "--mca btl_vader_single_copy_mechanism none -n " +
             std::to_string(ranks),
         words);
+}
+
+Outcome run_ranks(int ranks, const std::vector<std::string>& words) {
+    return run_to_end(kMpirun, with_ranks(ranks, words));
 }
 
 std::vector<std::string> sweep(const std::vector<std::string>& words) { return words_in("sweep", words); }
@@ -55,9 +58,7 @@ TEST(SweepProgram, RanksAndThreadsMakeTheSameTable) {
     EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 2 * 2 * 3 * 4);
     for (const int ranks : {1, 2, 3}) {
         const auto out = folder / std::to_string(ranks);
-        const Outcome outcome =
-            run_to_end(kMpirun, with_ranks(ranks, built_programs() / "thimble",
-                                           sweep(map_words(out, {"--block", std::to_string(ranks)}))));
+        const Outcome outcome = run_ranks(ranks, sweep(map_words(out, {"--block", std::to_string(ranks)})));
         ASSERT_EQ(outcome.code, 0) << outcome.words;
         EXPECT_EQ(read_text(out / "map.csv"), table) << ranks;
     }
@@ -83,8 +84,7 @@ TEST(SweepProgram, ADeadRankLeavesWhatWasDone) {
                         where.string());
     };
     {
-        Child mpirun(kMpirun, with_ranks(2, built_programs() / "thimble", sweep(words(out))),
-                     folder / "mpirun.log");
+        Child mpirun(kMpirun, with_ranks(2, sweep(words(out))), folder / "mpirun.log");
         ASSERT_TRUE(wait_until([&] { return lines_in(out / "map.csv") > 30; })) << mpirun.last_lines();
         const std::vector<pid_t> ranks = children_of(mpirun.pid());
         if (ranks.size() != 2) GTEST_SKIP() << "this kernel does not say who mpirun's children are";
@@ -96,7 +96,7 @@ TEST(SweepProgram, ADeadRankLeavesWhatWasDone) {
     }
     std::vector<std::string> resume = words(out);
     resume.emplace_back("--resume");
-    const Outcome on = run_to_end(kMpirun, with_ranks(3, built_programs() / "thimble", sweep(resume)));
+    const Outcome on = run_ranks(3, sweep(resume));
     ASSERT_EQ(on.code, 0) << on.words;
     ASSERT_EQ(run_thimble(sweep(words(whole))).code, 0);
     EXPECT_EQ(read_text(out / "map.csv"), read_text(whole / "map.csv"));
@@ -105,8 +105,7 @@ TEST(SweepProgram, ADeadRankLeavesWhatWasDone) {
 // Once, by the first rank, and no rank is left waiting.
 TEST(SweepProgram, AMistakeUnderMpirunIsSaidOnce) {
     SKIP_WITHOUT_MPI();
-    const Outcome outcome = run_to_end(
-        kMpirun, with_ranks(2, built_programs() / "thimble", {"sweep", "--hand", "Z", "--out", "/nowhere"}));
+    const Outcome outcome = run_ranks(2, {"sweep", "--hand", "Z", "--out", "/nowhere"});
     EXPECT_EQ(outcome.code, 2);
     const std::string words = "--hand Z: choose from A, B, C, D and E";
     ASSERT_THAT(outcome.words, HasSubstr(words));
@@ -115,25 +114,10 @@ TEST(SweepProgram, AMistakeUnderMpirunIsSaidOnce) {
 
 // Two ranks, each with its own words, as on two machines that share nothing.
 Outcome on_two_machines(const std::vector<std::string>& first, const std::vector<std::string>& second) {
-    const auto program = built_programs() / "thimble";
-    std::vector<std::string> words = with_ranks(1, program, first);
-    words.insert(words.end(), {":", "-n", "1", program.string()});
+    std::vector<std::string> words = with_ranks(1, first);
+    words.insert(words.end(), {":", "-n", "1", (built_programs() / "thimble").string()});
     words.insert(words.end(), second.begin(), second.end());
     return run_to_end(kMpirun, words);
-}
-
-// Its items would be other rows.
-TEST(SweepProgram, ARankWithoutTheRowsThatAreThereRefuses) {
-    SKIP_WITHOUT_MPI();
-    const Folder folder;
-    const auto shared = folder / "shared", empty = folder / "empty";
-    ASSERT_EQ(run_thimble(sweep(map_words(shared, {}))).code, 0);
-    const std::string table = read_text(shared / "map.csv");
-    std::ofstream(shared / "map.csv") << table.substr(0, table.find('\n', table.size() / 2) + 1);
-    const Outcome outcome = on_two_machines(sweep(map_words(shared, {"--resume", "--block", "1"})),
-                                            sweep(map_words(empty, {"--resume", "--block", "1"})));
-    EXPECT_EQ(outcome.code, 2);
-    EXPECT_THAT(outcome.words, ContainsRegex("rank 1 on .* has 48 items of plan .*, rank 0 has 2. items"));
 }
 
 // Two machines with another file of the same name would mix two sessions in one table.
@@ -155,8 +139,8 @@ TEST(SweepProgram, ARankWithAnotherSessionRefuses) {
     }
 }
 
-// Before the ranks have joined, and after.
-TEST(SweepProgram, ARankThatFailsAloneEndsTheJobAndIsNamed) {
+// Before the ranks have joined, and after. One without the rows that are there would have other items.
+TEST(SweepProgram, ARankThatFailsAloneOrLacksRowsEndsTheJobAndIsNamed) {
     SKIP_WITHOUT_MPI();
     const Folder folder;
     const auto full = folder / "full";
@@ -168,6 +152,13 @@ TEST(SweepProgram, ARankThatFailsAloneEndsTheJobAndIsNamed) {
     const Outcome after = on_two_machines(sweep(map_words(folder / "map", {})), sweep(map_words(full, {})));
     EXPECT_EQ(after.code, 1);
     EXPECT_THAT(after.words, ContainsRegex("rank 1 on .*holds a map already"));
+    const std::string table = read_text(full / "map.csv");
+    std::ofstream(full / "map.csv") << table.substr(0, table.find('\n', table.size() / 2) + 1);
+    const std::vector<std::string> resume{"--resume", "--block", "1"};
+    const Outcome lacking =
+        on_two_machines(sweep(map_words(full, resume)), sweep(map_words(folder / "empty", resume)));
+    EXPECT_EQ(lacking.code, 2);
+    EXPECT_THAT(lacking.words, ContainsRegex("rank 1 on .* has 48 items of plan .*, rank 0 has 2. items"));
 }
 
 TEST(SweepProgram, WithoutItsModuleForRanksThimbleSaysSo) {
@@ -186,9 +177,7 @@ TEST(SweepProgram, RanksAndThreadsMakeTheSameTrialsAndRows) {
     const auto both = [&folder](const std::string& words, const std::string& file) {
         const auto threads = folder / "threads", ranks = folder / "ranks";
         const Outcome one = run_thimble(words_in(words + " --overwrite --jobs 3 --out " + threads.string()));
-        const Outcome two =
-            run_to_end(kMpirun, with_ranks(2, built_programs() / "thimble",
-                                           words_in(words + " --overwrite --out " + ranks.string())));
+        const Outcome two = run_ranks(2, words_in(words + " --overwrite --out " + ranks.string()));
         EXPECT_EQ(two.code, one.code) << two.words;
         EXPECT_EQ(read_text(ranks / file), read_text(threads / file)) << words;
     };

@@ -1,8 +1,8 @@
 // Nothing in the loop allocates, in any node, once the first trial has started.
 #include <gtest/gtest.h>
 
-#include "session/virtual/virtual_session.hpp"
 #include "tests/allocation_count.hpp"
+#include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 
 namespace thimble::test {
@@ -20,8 +20,7 @@ class Allocations : public testing::TestWithParam<Case> {};
 TEST_P(Allocations, NoneFromTheFirstSecondToTheEndOfTheTrial) {
     VirtualSession session(paper_with_delays({}, GetParam().delay));
     session.start(trial_of(GetParam().modality, GetParam().delay));
-    while (session.loop().now() < SessionTime{seconds{1}} && session.step()) {
-    }
+    run_until(session, SessionTime{seconds{1}});
     const std::size_t samples = session.session().record().samples.size();
     const std::uint64_t before = allocation_count();
     while (session.step()) {
@@ -33,14 +32,10 @@ TEST_P(Allocations, NoneFromTheFirstSecondToTheEndOfTheTrial) {
 
 TEST_P(Allocations, NoneInTheSecondTrialOfASession) {
     VirtualSession session(paper_with_delays({}, GetParam().delay));
-    const TrialConditions first = trial_of(GetParam().modality, GetParam().delay, 1, 1);
-    const TrialConditions second = trial_of(GetParam().modality, GetParam().delay, 1, 2);
-    ASSERT_EQ(session.run(first).reason, EndReason::kCompleted);
-    session.start(second);
+    ASSERT_EQ(session.run(trial_of(GetParam().modality, GetParam().delay)).reason, EndReason::kCompleted);
+    session.start(trial_of(GetParam().modality, GetParam().delay, 1, 2));
     const std::uint64_t before = allocation_count();
-    const SessionTime end = session.loop().now() + seconds{2};
-    while (session.loop().now() < end && session.step()) {
-    }
+    run_until(session, session.loop().now() + seconds{2});
     EXPECT_EQ(allocation_count() - before, 0U);
 }
 

@@ -54,7 +54,6 @@ TEST(LossyNetwork, TheTrialCompletesAndEveryPacketIsAccountedFor) {
     }
 }
 
-// In order, jitter alone makes nothing outdated.
 TEST(LossyNetwork, InOrderJitterRefusesNothingWhileTheTrialRuns) {
     SystemSettings settings = lossy();
     settings.netem.needle.in_order = settings.netem.force.in_order = true;
@@ -101,9 +100,8 @@ TEST_P(Outages, LetGoOfTheHandAndEndTheTrialWithinASecond) {
     EXPECT_EQ(rig.handle().force_hand_N(), 0);
     EXPECT_EQ(rig.handle().refused_forces(), 0U);
     // Answers about a needle that is only held are no samples.
-    for (std::size_t i = 1; i < record.samples.size(); ++i) {
+    for (std::size_t i = 1; i < record.samples.size(); ++i)
         ASSERT_GT(record.samples[i].time_s, record.samples[i - 1].time_s);
-    }
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -124,9 +122,8 @@ TEST(LossyNetwork, ASilentSessionStopsTheNodes) {
     const SessionTime cut = rig.now();
     rig.run_until(cut + seconds{1});
     EXPECT_EQ(rig.handle().force_hand_N(), 0);
-    for (const NodeProcess* node : rig.nodes()) {
+    for (const NodeProcess* node : rig.nodes())
         EXPECT_EQ(node->state(), NodeState::kFailed) << to_string(node->role());
-    }
     EXPECT_EQ(rig.finish().reason, EndReason::kPeerLost);
 }
 
@@ -276,7 +273,6 @@ TEST(HostileNetwork, OnePoisonedPacketCostsOneTrial) {
     }
 }
 
-// A stranger on the needle's wire with a NeedleCommand of its own: locked out, counted, no effect.
 TEST(HostileNetwork, ASecondMasterIsLockedOut) {
     class SecondMaster final : public Tap {
       public:

@@ -50,9 +50,8 @@ TEST(Compensators, EachCompletesAt50msWithoutTheOscillationOfTheHandle) {
 
 // The hand stands further than the needle by force x delay / 2b with waves only.
 TEST(Compensators, OnlyWavesLetHandAndNeedleApart) {
-    for (const CompensatorRow& row : compare({"wave", "two-layer", "local-fixture"}, {0.05}, 2)) {
+    for (const CompensatorRow& row : compare({"wave", "two-layer", "local-fixture"}, {0.05}, 2))
         EXPECT_EQ(row.drift_needle_m > 0.5e-3, row.name == "wave") << row.name << ' ' << row.drift_needle_m;
-    }
 }
 
 TEST(Compensators, WavesGetThroughLossAndJitterByPlayOut) {
@@ -68,13 +67,15 @@ TEST(Compensators, WavesGetThroughLossAndJitterByPlayOut) {
 
 // In CF no compensator is in the loop, on neither side.
 TEST(Compensators, ChangeNothingInOtherModalities) {
-    SystemSettings waves = paper();
-    waves.master.control.compensator = Compensator::kWave;
-    waves.slave.control.control = waves.master.control;
+    const SystemSettings waves = with_control(paper(), control_for(paper(), Compensator::kWave));
     for (const Modality modality : {Modality::kCF, Modality::kHF}) {
+        SCOPED_TRACE(to_string(modality));
+        const bool other = modality == Modality::kCF;
         const TrialRecord a = run_virtual_trial(paper(), trial_of(modality, kPaperDelay));
         const TrialRecord b = run_virtual_trial(waves, trial_of(modality, kPaperDelay));
-        EXPECT_EQ(same_samples(a, b), modality == Modality::kCF) << to_string(modality);
+        EXPECT_EQ(same_samples(a, b), other);
+        EXPECT_EQ(a.conditions.compensator, Compensator::kNone);
+        EXPECT_EQ(b.conditions.compensator, other ? Compensator::kNone : Compensator::kWave);
     }
 }
 
@@ -97,13 +98,6 @@ TEST(Compensators, DoNotDependOnTheNumberOfThreads) {
     EXPECT_THROW(run_compensator_study(paper(), options), Error);
 }
 
-TEST(Compensators, ARecordSaysWhichOneActed) {
-    SystemSettings waves = with_control(paper(), control_for(paper(), Compensator::kWave));
-    EXPECT_EQ(run_virtual_trial(waves, trial_of(Modality::kHF)).conditions.compensator, Compensator::kWave);
-    EXPECT_EQ(run_virtual_trial(waves, trial_of(Modality::kCF)).conditions.compensator, Compensator::kNone);
-    EXPECT_EQ(run_virtual_trial(paper(), trial_of(Modality::kHF)).conditions.compensator, Compensator::kNone);
-}
-
 // An interrupted comparison goes on to the same bytes, and no other one goes on in its folder.
 TEST(Compensators, TheTableOfTrialsIsGoneOnWith) {
     const TemporaryDirectory folder;
@@ -113,22 +107,19 @@ TEST(Compensators, TheTableOfTrialsIsGoneOnWith) {
     options.networks = plain_networks({0.01});
     options.subjects = 2;
     const auto conditions = chosen_conditions(paper(), options.names);
-    std::vector<CompensatorTrial> trials = plan_compensator_trials(paper(), options);
-    ASSERT_EQ(trials.size(), 4U);
-    {
+    const auto run = [&](std::size_t done) {
+        std::vector<CompensatorTrial> trials = plan_compensator_trials(paper(), options);
+        EXPECT_EQ(trials.size(), 4U);
         CompensatorTrialTable table(path, conditions, trials);
-        run_compensator_trials(paper(), options, trials,
+        EXPECT_EQ(table.done(), done);
+        run_compensator_trials(paper(), options, std::span(trials).subspan(done),
                                [&](const CompensatorTrial& trial) { table.append(trial); });
-    }
+        return trials;
+    };
+    const std::vector<CompensatorTrial> trials = run(0);
     const std::string whole = read_text(path);
-    std::ofstream(path, std::ios::binary) << whole.substr(0, whole.rfind(',', whole.size() - 40));
-    std::vector<CompensatorTrial> again = plan_compensator_trials(paper(), options);
-    {
-        CompensatorTrialTable table(path, conditions, again);
-        ASSERT_EQ(table.done(), 3U);
-        run_compensator_trials(paper(), options, std::span(again).subspan(3),
-                               [&](const CompensatorTrial& trial) { table.append(trial); });
-    }
+    write_text(path, whole.substr(0, whole.rfind(',', whole.size() - 40)));
+    const std::vector<CompensatorTrial> again = run(3);
     EXPECT_EQ(read_text(path), whole);
     EXPECT_EQ(compensator_rows_csv(condense(paper(), options, again)),
               compensator_rows_csv(condense(paper(), options, trials)));

@@ -76,27 +76,13 @@ TEST(DelayExperiment, FingersAndBarDoNotDependOnTheKinestheticPath) {
     }
 }
 
-// Keeps the percepts of the eyes with their times.
-class Eyes final : public Tap {
-  public:
-    Eyes(Channel& inner, std::vector<std::pair<SessionTime, Percept>>& seen) : Tap(inner), seen_(&seen) {}
-    void send(Bytes datagram) override {
-        Message message;
-        if (!decode_into(datagram, message))
-            seen_->emplace_back(message.header.send_time, std::get<Percept>(message.body));
-        Tap::send(datagram);
-    }
-
-  private:
-    std::vector<std::pair<SessionTime, Percept>>* seen_;
-};
-
 // How long after it happened the eyes have the touch, and a force of 1 N in the bar.
 std::pair<double, double> lateness_of_sight_s(bool picture_delayed) {
     SystemSettings settings = paper_with_delays({}, kPaperDelay);
     settings.visual.picture_delayed = picture_delayed;
-    std::vector<std::pair<SessionTime, Percept>> seen;
-    Rig rig(settings, tap_on<Eyes>({Wire::kPerceptVisual}, seen));
+    ShownList seen;
+    const Hear keep = keep_in(seen);
+    Rig rig(settings, tap_on<Listener>({Wire::kPerceptVisual}, keep));
     rig.start(trial_of(Modality::kVF, kPaperDelay));
     EXPECT_TRUE(rig.run_until_sample([](const auto& s) {
         return s.phase != TissuePhase::kFree || s.position_needle_m >= s.position_surface_m;
@@ -106,8 +92,7 @@ std::pair<double, double> lateness_of_sight_s(bool picture_delayed) {
     const SessionTime resisted = rig.now();
     rig.finish();
     const auto first = [&](const auto& is_it) {
-        return std::find_if(seen.begin(), seen.end(), [&](const auto& one) { return is_it(one.second); })
-            ->first;
+        return std::find_if(seen.begin(), seen.end(), [&](const Shown& s) { return is_it(s.percept); })->when;
     };
     return {to_seconds(first([](const Percept& p) { return p.touching_shown; }) - touched),
             to_seconds(first([](const Percept& p) { return p.bar_N >= 1; }) - resisted)};

@@ -29,9 +29,8 @@ std::vector<std::string> lines_of(const std::string& text) {
 // Every file of figures/ with its bytes; the pictures too, if gnuplot drew them.
 std::map<std::string, std::string> figures_of(const std::filesystem::path& study) {
     std::map<std::string, std::string> files;
-    for (const auto& entry : std::filesystem::directory_iterator(study / "figures")) {
+    for (const auto& entry : std::filesystem::directory_iterator(study / "figures"))
         files[entry.path().filename().string()] = read_text(entry.path());
-    }
     return files;
 }
 
@@ -94,7 +93,6 @@ TEST_F(Determinism, TheControlTrialsChangeNoRow) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "1" / "control.csv"));
 }
 
-// Interrupted after some trials, gone on with, on another number of threads: the same bytes, in every file.
 TEST_F(Determinism, AResumedStudyIsTheUninterruptedOne) {
     StudyOptions options = small_study();
     options.protocols = {experiment_1(paper(), 2, 1), experiment_2(paper(), 2, 1),
@@ -131,7 +129,6 @@ TEST_F(Determinism, AnotherSeedIsAnotherStudy) {
     for (std::size_t i = 1; i < one.size(); ++i) EXPECT_NE(one[i], two[i]);
 }
 
-// A trial does not know what was before it: in a session of its own or as the second of two, the same.
 TEST(DeterminismOfTrials, ATrialDoesNotDependOnTheOneBefore) {
     const TrialConditions first = trial_of(Modality::kHF, {}, 1, 1),
                           second = trial_of(Modality::kVF, {}, 1, 2);
@@ -174,9 +171,8 @@ TEST_F(Golden, FirstTrialsOfSeedOne) {
     const std::filesystem::path given = std::filesystem::path(testing::TempDir()) / golden.filename();
     std::ofstream(given, std::ios::binary) << text;
     const auto expected_lines = lines_of(read_text(golden)), given_lines = lines_of(text);
-    for (std::size_t i = 0; i < given_lines.size() && i < expected_lines.size(); ++i) {
+    for (std::size_t i = 0; i < given_lines.size() && i < expected_lines.size(); ++i)
         EXPECT_EQ(given_lines[i], expected_lines[i]);
-    }
     ADD_FAILURE() << "the bits have changed. If the model was meant to: cp " << given.string() << ' '
                   << golden.string();
 }
@@ -184,12 +180,9 @@ TEST_F(Golden, FirstTrialsOfSeedOne) {
 // Between its programs virtual time hands messages over. Behind a tap everything goes as bytes, as between real programs.
 class MessagesAndBytes : public testing::TestWithParam<Modality> {
   protected:
-    static FlowCounters counted(const VirtualSession& session) {
+    static FlowCounters counted(VirtualSession& session) {
         FlowCounters sum;
-        for (const NodeProcess* node :
-             std::initializer_list<const NodeProcess*>{&session.master(), &session.netem(), &session.slave(),
-                                                       &session.cutaneous(), &session.visual()})
-            sum.add(node->counters());
+        for (const Role role : kNodeRoles) sum.add(session.node(role).counters());
         return sum;
     }
 
@@ -237,20 +230,13 @@ TEST_P(MessagesAndBytes, HaveTheSameBitsOverABadNetwork) {
 INSTANTIATE_TEST_SUITE_P(InEachModality, MessagesAndBytes, testing::ValuesIn(kModalities),
                          [](const auto& test) { return std::string(to_string(test.param)); });
 
-// Protection changes no bit of a trial.
-std::shared_ptr<const LabKey> virtual_lab_key() {
-    std::array<std::uint8_t, kKeyBytes> bytes{};
-    bytes.fill(42);
-    return std::make_shared<const LabKey>(bytes);
-}
-
 TEST(ProtectedSession, HasTheSameBitsAsAnOpenOne) {
     for (const Modality modality : {Modality::kHF, Modality::kCCF}) {
         TrialConditions conditions;
         conditions.modality = modality;
         conditions.fixture_position_m = 0.035;
         const SystemSettings settings = paper_with_delays({}, kPaperDelay);
-        VirtualSession open(settings), secured(settings, virtual_lab_key());
+        VirtualSession open(settings), secured(settings, lab_key_of(42));
         const TrialRecord& plain = open.run(conditions);
         EXPECT_TRUE(same_samples(secured.run(conditions), plain));
         EXPECT_EQ(plain.reason, EndReason::kCompleted);

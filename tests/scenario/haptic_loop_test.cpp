@@ -45,10 +45,11 @@ TEST(HapticLoop, EverySubjectHoldsTheFixtureByHandWithoutDelay) {
         for (std::uint32_t subject = 1; subject <= 10; ++subject) {
             TrialConditions trial = trial_of(Modality::kHF, {}, subject);
             trial.study_seed = seed;
+            SCOPED_TRACE(testing::Message() << "seed " << seed << ", subject " << subject);
             const TrialRecord record = run_virtual_trial(paper(), trial);
             const TrialMetrics metrics = measure(record);
-            EXPECT_EQ(record.reason, EndReason::kCompleted) << seed << ' ' << subject;
-            EXPECT_EQ(metrics.contacts_lost, 0U) << "seed " << seed << ", subject " << subject;
+            EXPECT_EQ(record.reason, EndReason::kCompleted);
+            EXPECT_EQ(metrics.contacts_lost, 0U);
             EXPECT_FALSE(metrics.oscillates);
         }
     }
@@ -132,20 +133,12 @@ struct Beep {
     }
 };
 
-struct BeepListener final : Tap {
-    BeepListener(Channel& end, Beep& target) : Tap(end), beep(&target) {}
-    void send(Bytes datagram) override {
-        if (const Decoded decoded = decode(datagram); decoded.message) beep->listen(*decoded.message);
-        Tap::send(datagram);
-    }
-    Beep* beep;
-};
-
 TEST(DelaySplit, ContactTimeAndBeepFollowTheUndelayedNeedle) {
     for (const Duration needle : {milliseconds{0}, milliseconds{25}, milliseconds{50}}) {
         Beep beep;
+        const Hear hear = [&beep](const Message& message) { beep.listen(message); };
         Rig rig(paper_with_delays(needle, kPaperDelay - needle),
-                tap_on<BeepListener>({Wire::kRecord, Wire::kPerceptVisual}, beep));
+                tap_on<Listener>({Wire::kRecord, Wire::kPerceptVisual}, hear));
         const TrialRecord& record = rig.run(trial_of(Modality::kCF, kPaperDelay - needle));
         ASSERT_NE(beep.heard, kNever);
         EXPECT_EQ(beep.contact_s, 5.0);                   // of the handle's samples, whatever the network did
@@ -156,38 +149,16 @@ TEST(DelaySplit, ContactTimeAndBeepFollowTheUndelayedNeedle) {
     }
 }
 
-// The operator never sees the inserted part of the needle nor the fixture, and a bar only in VF.
-struct Shown {
-    SessionTime when;
-    Percept percept;
-};
-
-using ShownList = std::vector<Shown>;
-
-class Watcher final : public Tap {
-  public:
-    Watcher(Channel& end, ShownList& target) : Tap(end), list_(&target) {}
-    void send(Bytes datagram) override {
-        const Decoded decoded = decode(datagram);
-        ASSERT_TRUE(decoded.message);
-        list_->push_back({decoded.message->header.send_time, std::get<Percept>(decoded.message->body)});
-        Tap::send(datagram);
-    }
-
-  private:
-    ShownList* list_;
-};
-
 TEST(Vision, TheInsertedPartIsNeverShownAndABarInVFOnly) {
     for (const Modality modality : kModalities) {
         ShownList all_shown;
-        Rig rig(paper(), tap_on<Watcher>({Wire::kPerceptVisual}, all_shown));
+        const Hear keep = keep_in(all_shown);
+        Rig rig(paper(), tap_on<Listener>({Wire::kPerceptVisual}, keep));
         const TrialRecord& record = rig.run(trial_of(modality));
         ASSERT_EQ(record.reason, EndReason::kCompleted);
         double deepest_m = 0, deepest_shown_m = -1, longest_N = 0;
-        for (const TrajectorySample& s : record.samples) {
+        for (const TrajectorySample& s : record.samples)
             deepest_m = std::max(deepest_m, s.position_needle_m - s.position_surface_m);
-        }
         ASSERT_GT(deepest_m, 0.05);  // there was something to hide
         int hidden = 0;
         for (const Shown& shown : all_shown) {
@@ -215,11 +186,12 @@ TEST(Vision, TheInsertedPartIsNeverShownAndABarInVFOnly) {
 // one, even where the hand has been inside for seconds.
 TEST(Vision, NothingShownTellsWhereTheFixtureIs) {
     ShownList near_shown, far_shown;
+    const Hear keep_near = keep_in(near_shown), keep_far = keep_in(far_shown);
     TrialConditions near = trial_of(Modality::kVF), far = near;
     near.fixture_position_m = 0.110;
     far.fixture_position_m = 0.135;
-    Rig near_rig(paper(), tap_on<Watcher>({Wire::kPerceptVisual}, near_shown));
-    Rig far_rig(paper(), tap_on<Watcher>({Wire::kPerceptVisual}, far_shown));
+    Rig near_rig(paper(), tap_on<Listener>({Wire::kPerceptVisual}, keep_near));
+    Rig far_rig(paper(), tap_on<Listener>({Wire::kPerceptVisual}, keep_far));
     const TrialRecord& record = near_rig.run(near);
     far_rig.run(far);
     double touched_s = 0;

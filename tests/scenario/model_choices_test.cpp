@@ -32,8 +32,7 @@ class WithEstimator : public testing::TestWithParam<VelocityMethod> {};
 TEST_P(WithEstimator, ATrialEndsWithTheBeepInTheFixtureAndNothingAllocates) {
     VirtualSession session(settings_with(GetParam()));
     session.start(trial_of(Modality::kHF));
-    while (session.loop().now() < SessionTime{seconds{1}} && session.step()) {
-    }
+    run_until(session, SessionTime{seconds{1}});
     const std::uint64_t before = allocation_count();
     while (session.step()) {
     }
@@ -55,21 +54,16 @@ INSTANTIATE_TEST_SUITE_P(Each, WithEstimator,
                              return std::string(kVelocityMethodNames[static_cast<std::size_t>(test.param)]);
                          });
 
-TEST(VelocityChoice, ReachesTheTissue) {
-    const TrialRecord low_pass =
-        run_virtual_trial(settings_with(VelocityMethod::kLowPass), trial_of(Modality::kHF));
-    const TrialRecord windowed =
-        run_virtual_trial(settings_with(VelocityMethod::kWindowed), trial_of(Modality::kHF));
-    EXPECT_FALSE(same_samples(low_pass, windowed));
-}
-
-TEST(VelocityChoice, OfASessionFileReachesTheLoop) {
-    const ConfigFile file =
-        ConfigFile::parse("[master]\nvelocity_estimator = \"windowed\"\nvelocity_window_s = 0.02\n", "test");
-    const TrialRecord from_file = run_virtual_trial(read_system_settings(file), trial_of(Modality::kHF));
-    const TrialRecord from_code =
-        run_virtual_trial(settings_with(VelocityMethod::kWindowed), trial_of(Modality::kHF));
-    EXPECT_TRUE(same_samples(from_file, from_code));
+TEST(VelocityChoice, OfASessionFileReachesTheTissue) {
+    const auto run = [](const SystemSettings& settings) {
+        return run_virtual_trial(settings, trial_of(Modality::kHF));
+    };
+    const TrialRecord windowed = run(settings_with(VelocityMethod::kWindowed));
+    EXPECT_FALSE(same_samples(run(settings_with(VelocityMethod::kLowPass)), windowed));
+    EXPECT_TRUE(
+        same_samples(run(read_system_settings(ConfigFile::parse(
+                         "[master]\nvelocity_estimator = \"windowed\"\nvelocity_window_s = 0.02\n", "test"))),
+                     windowed));
 }
 
 // A slow press on the tissue through the encoder. One count of the handle is 0.03 mm of needle; in one
@@ -117,17 +111,15 @@ SystemSettings with_slave(const std::string& keys) {
 
 double strongest_tissue_N(const TrialRecord& record) {
     double strongest_N = 0;
-    for (const TrajectorySample& s : record.samples) {
+    for (const TrajectorySample& s : record.samples)
         strongest_N = std::max(strongest_N, std::abs(s.force_tissue_N));
-    }
     return strongest_N;
 }
 
 TEST(SceneInASession, AVesselOnTheWayIsFelt) {
-    Rig plain(paper());
-    const TrialRecord without = plain.run(trial_of(Modality::kCF));
-    Rig rig(with_slave("scene = 'vessel.toml'\n"));
-    const TrialRecord with = rig.run(trial_of(Modality::kCF));
+    const TrialRecord without = run_virtual_trial(paper(), trial_of(Modality::kCF));
+    const TrialRecord with =
+        run_virtual_trial(with_slave("scene = 'vessel.toml'\n"), trial_of(Modality::kCF));
     ASSERT_EQ(without.reason, EndReason::kCompleted);
     ASSERT_FALSE(with.samples.empty());
     EXPECT_GT(strongest_tissue_N(with), strongest_tissue_N(without) + 0.1);
@@ -135,11 +127,11 @@ TEST(SceneInASession, AVesselOnTheWayIsFelt) {
 
 // At 10 us the rules are as good as exact for a whole trial: the same end, at the same time within a sample or two.
 TEST(SceneInASession, EverySolverRunsATrial) {
-    Rig exact(paper());
-    const TrialRecord reference = exact.run(trial_of(Modality::kHF));
+    const TrialRecord reference = run_virtual_trial(paper(), trial_of(Modality::kHF));
     for (const char* solver : {"semi_implicit_euler", "rk4", "implicit_midpoint"}) {
-        Rig rig(with_slave("solver = '" + std::string(solver) + "'\nsolver_step_s = 1e-5\n"));
-        const TrialRecord record = rig.run(trial_of(Modality::kHF));
+        const TrialRecord record =
+            run_virtual_trial(with_slave("solver = '" + std::string(solver) + "'\nsolver_step_s = 1e-5\n"),
+                              trial_of(Modality::kHF));
         EXPECT_EQ(record.reason, reference.reason) << solver;
         EXPECT_NEAR(record.beep_time_s, reference.beep_time_s, 0.01) << solver;
     }

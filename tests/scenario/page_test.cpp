@@ -1,12 +1,11 @@
 // The page in the browser without the browser: a visitor's pointer, frame by frame, and the study that the page runs.
-#include <filesystem>
-
 #include <gmock/gmock.h>
 
 #include "browser/live_trial.hpp"
 #include "browser/page_study.hpp"
 #include "study/study.hpp"
 #include "tests/read_text.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -19,6 +18,10 @@ LiveChoice choice(Modality modality, double delay_s = 0.05) {
     made.modality = modality;
     made.delay_s = delay_s;
     return made;
+}
+
+void run_frames(LiveTrial& trial, int frames) {
+    for (; frames > 0; --frames) trial.advance(kFrame_s);
 }
 
 // Drags the needle to `depth_m` at 90 mm/s and holds it there until `end_s`.
@@ -55,8 +58,7 @@ TEST(LiveTrial, WithoutDelayTheHandRestsAtTheWall) {
 // A wall and a pointer's spring that are both at their limit would have no stiffness together, and so no instability.
 TEST(LiveTrial, ShovingDoesNotCureIt) {
     LiveTrial trial(choice(Modality::kHF));
-    const LiveState state = drag(trial, 0.195, 8);
-    EXPECT_GE(state.frequency_Hz, 1);
+    EXPECT_GE(drag(trial, 0.195, 8).frequency_Hz, 1);
 }
 
 TEST(LiveTrial, ALaterDelayActsAtOnce) {
@@ -66,7 +68,7 @@ TEST(LiveTrial, ALaterDelayActsAtOnce) {
     trial.point(kPerNeedle * 0.08, true);
     trial.advance(0.2);
     trial.point(kPerNeedle * 0.125, true);
-    for (int frame = 0; frame < 240; ++frame) trial.advance(kFrame_s);
+    run_frames(trial, 240);
     EXPECT_GE(trial.state().contacts_lost, before + 4);
 }
 
@@ -86,9 +88,9 @@ TEST(LiveTrial, LetGoTheNeedleRests) {
     LiveTrial trial(choice(Modality::kHF));
     drag(trial, 0.05, 2);
     trial.point(0, false);
-    for (int frame = 0; frame < 60; ++frame) trial.advance(kFrame_s);
+    run_frames(trial, 60);
     const double place_m = trial.state().needle_m;
-    for (int frame = 0; frame < 60; ++frame) trial.advance(kFrame_s);
+    run_frames(trial, 60);
     EXPECT_NEAR(trial.state().needle_m, place_m, 1e-3);
 }
 
@@ -96,7 +98,7 @@ TEST(LiveTrial, TheVirtualSubjectDoesAllByItself) {
     LiveChoice by_itself = choice(Modality::kCF);
     by_itself.virtual_hand = true;
     LiveTrial trial(by_itself);
-    for (int frame = 0; frame < 60 * 30; ++frame) trial.advance(kFrame_s);
+    run_frames(trial, 60 * 30);
     EXPECT_GE(trial.state().trials, 1);
 }
 
@@ -120,15 +122,13 @@ TEST(PageStudy, WritesTheTableOfTheStudy) {
     PageStudy study(1, 1);
     unsigned slice = 1;
     while (study.go_on(slice)) slice = slice % 977 + 100;
-    const std::filesystem::path table = std::filesystem::path(testing::TempDir()) / "page_trials.csv";
-    study.write_table(table);
-
-    const std::filesystem::path expected = std::filesystem::path(testing::TempDir()) / "page_expected.csv";
-    TrialTable native(expected, IfExists::kReplace);
+    const TemporaryDirectory folder;
+    study.write_table(folder / "trials.csv");
+    TrialTable native(folder / "expected.csv");
     const SystemSettings settings = load_system_settings({});
     const auto append = [&](const TrialRecord& record) { native.append(make_row(record)); };
     EXPECT_TRUE(run_trials(settings, all_trials({experiment_3(settings, 1, 1)}), 1, nullptr, append));
-    EXPECT_EQ(read_text(table), read_text(expected));
+    EXPECT_EQ(read_text(folder / "trials.csv"), read_text(folder / "expected.csv"));
     EXPECT_EQ(study.rows().size(), study.planned());
 }
 

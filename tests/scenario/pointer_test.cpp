@@ -16,8 +16,9 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-SystemSettings pointed(Duration delay) {
+SystemSettings pointed(Duration delay, Duration timeout = paper().session.trial_timeout) {
     SystemSettings settings = paper_with_delays({}, delay);
+    settings.session.trial_timeout = timeout;
     settings.handle.kind = HandleKind::kPointer;
     settings.session.ends_by_withdrawal = true;  // a pointer does not know when it is over
     return settings;
@@ -77,12 +78,15 @@ struct Outcome {
     double energy_in_J = 0;
 };
 
-// Presses 2 mm further than the fixture: 1 N through the default coupling.
-Outcome press(Modality modality, Duration delay, const SystemSettings& settings) {
+// 2 mm further than the fixture: 1 N through the default coupling.
+constexpr double kPress_hand_m = 0.002;
+
+Outcome press(Modality modality, Duration delay, const SystemSettings& settings,
+              double press_hand_m = kPress_hand_m) {
     const TrialConditions trial = trial_of(modality, delay);
     Rig rig(settings);
     rig.start(trial);
-    ScriptedHand hand(rig, 0.002, trial.fixture_position_m);
+    ScriptedHand hand(rig, press_hand_m, trial.fixture_position_m);
     Outcome outcome{hand.finish(), {}, 0};
     outcome.metrics = measure(outcome.record);
     outcome.energy_in_J = rig.master().energy().energy_in_J();
@@ -120,8 +124,7 @@ TEST(Pointer, AFirmerHandOscillatesToo) {
     for (const double stiffness_N_per_m : {500.0, 1000.0}) {
         for (const double damping_Ns_per_m : {5.0, 15.0, 30.0}) {
             for (const Duration delay : {Duration{0}, kPaperDelay}) {
-                SystemSettings settings = pointed(delay);
-                settings.session.trial_timeout = seconds{12};
+                SystemSettings settings = pointed(delay, seconds{12});
                 settings.handle.coupling = {stiffness_N_per_m, damping_Ns_per_m};
                 EXPECT_EQ(press(Modality::kHF, delay, settings).metrics.oscillates, delay > Duration{0})
                     << stiffness_N_per_m << " N/m, " << damping_Ns_per_m << " Ns/m";
@@ -133,13 +136,8 @@ TEST(Pointer, AFirmerHandOscillatesToo) {
 // 24 mm beyond the fixture at the hand, 12 N by the spring: the hand pulls with less, so that the late force still moves it.
 TEST(Pointer, ShovingCuresNothing) {
     for (const Modality modality : kModalities) {
-        const TrialConditions trial = trial_of(modality, kPaperDelay);
-        SystemSettings settings = pointed(kPaperDelay);
-        settings.session.trial_timeout = seconds{12};
-        Rig rig(settings);
-        rig.start(trial);
-        ScriptedHand hand(rig, 0.024, trial.fixture_position_m);
-        EXPECT_EQ(measure(hand.finish()).oscillates, modality == Modality::kHF) << to_string(modality);
+        const Outcome shoved = press(modality, kPaperDelay, pointed(kPaperDelay, seconds{12}), 0.024);
+        EXPECT_EQ(shoved.metrics.oscillates, modality == Modality::kHF) << to_string(modality);
     }
 }
 
@@ -148,9 +146,8 @@ TEST(Pointer, WhatDelayDoesToAHandThatPresses) {
     fmt::print("| delay, ms | contacts lost | rms, mm | peak to peak, mm | frequency, Hz | energy in, J |\n");
     double before_J = 1;
     for (const int ms : {0, 1, 2, 5, 10, 20, 50, 100}) {
-        SystemSettings settings = pointed(milliseconds{ms});
-        settings.session.trial_timeout = seconds{20};
-        const Outcome felt = press(Modality::kHF, milliseconds{ms}, settings);
+        const milliseconds delay{ms};
+        const Outcome felt = press(Modality::kHF, delay, pointed(delay, seconds{20}));
         const TrialMetrics& m = felt.metrics;
         fmt::print("| {} | {} | {:.2f} | {:.1f} | {:.1f} | {:.3f} |\n", ms, m.contacts_lost,
                    1000 * m.oscillation_rms_m, 1000 * m.oscillation_peak_to_peak_m,
@@ -161,8 +158,7 @@ TEST(Pointer, WhatDelayDoesToAHandThatPresses) {
             EXPECT_LT(felt.energy_in_J, before_J) << ms;  // the later, the more comes out
         }
         before_J = felt.energy_in_J;
-        if (ms != 50)
-            continue;  // the handle is thrown back and forth: contact is never kept, and there is no beep
+        if (ms != 50) continue;  // the handle is thrown back and forth: contact is never kept, no beep
         EXPECT_EQ(felt.record.reason, EndReason::kTimeout);
         EXPECT_FALSE(m.beeped);
         EXPECT_GT(m.contacts_lost, 20U);
@@ -175,7 +171,7 @@ void expect_rest_after(void (ScriptedHand::*leave)()) {
     const TrialConditions trial = trial_of(Modality::kHF, kPaperDelay);
     Rig rig(pointed(kPaperDelay));
     rig.start(trial);
-    ScriptedHand hand(rig, 0.002, trial.fixture_position_m);
+    ScriptedHand hand(rig, kPress_hand_m, trial.fixture_position_m);
     ASSERT_TRUE(hand.until_held());
     const SessionTime held = rig.now();
     while (rig.now() < held + seconds{2} && hand.step()) {

@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "cutaneous_node/can/cannelloni.hpp"
 #include "cutaneous_node/drive_actuator.hpp"
 #include "cutaneous_node/emulator/emulated_drives.hpp"
@@ -90,6 +92,33 @@ class Scissors final : public Tap {
     const bool* cut_;
 };
 
+using Hear = std::function<void(const Message&)>;
+
+// Tells of each message that passes.
+class Listener final : public Tap {
+  public:
+    Listener(Channel& inner, const Hear& hear) : Tap(inner), hear_(&hear) {}
+    void send(Bytes datagram) override {
+        const Decoded decoded = decode(datagram);
+        ASSERT_TRUE(decoded.message);
+        (*hear_)(*decoded.message);
+        Tap::send(datagram);
+    }
+
+  private:
+    const Hear* hear_;
+};
+
+struct Shown {
+    SessionTime when;
+    Percept percept;
+};
+using ShownList = std::vector<Shown>;
+
+inline Hear keep_in(ShownList& list) {
+    return [&list](const Message& m) { list.push_back({m.header.send_time, std::get<Percept>(m.body)}); };
+}
+
 // A handle that may fail; untouched until then.
 class BreakableHandle final : public HapticDevice {
   public:
@@ -134,6 +163,17 @@ class ReadDisplay final : public Display {
     Page page;
     bool pressed = false;
 };
+
+inline void run_until(VirtualSession& session, SessionTime end) {
+    while (session.loop().now() < end && session.step()) {
+    }
+}
+
+inline std::shared_ptr<const LabKey> lab_key_of(std::uint8_t byte) {
+    std::array<std::uint8_t, kKeyBytes> bytes{};
+    bytes.fill(byte);
+    return std::make_shared<const LabKey>(bytes);
+}
 
 class Rig {
   public:

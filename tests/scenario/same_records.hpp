@@ -26,9 +26,8 @@ class TrajectoryHash {
         add((static_cast<std::uint64_t>(s.phase) << 1) | (s.fixture_present ? 1U : 0U));
     }
     void add(std::uint64_t word) {
-        for (int shift = 0; shift < 64; shift += 8) {
+        for (int shift = 0; shift < 64; shift += 8)
             value_ = (value_ ^ ((word >> shift) & 0xff)) * 0x100000001b3U;
-        }
     }
 
     std::uint64_t value_ = 0xcbf29ce484222325U;

@@ -36,9 +36,8 @@ TEST(Session, ACompletedTrialLeavesEverybodyIdle) {
     EXPECT_EQ(record.reason, EndReason::kCompleted);
     expect_all_stopped(rig, EndReason::kCompleted);
     // Recorded from the first answer on, one per millisecond, none twice and none left out.
-    for (std::size_t i = 0; i < record.samples.size(); ++i) {
+    for (std::size_t i = 0; i < record.samples.size(); ++i)
         ASSERT_NEAR(record.samples[i].time_s, 1e-3 * static_cast<double>(i), 1e-9);
-    }
     EXPECT_EQ(rig.session().missing_peers(rig.now(), seconds{1}), "");
 }
 
@@ -212,18 +211,21 @@ TEST(DrivenFingers, ATrialIsCompletedByWhatTheyFeel) {
         EXPECT_EQ(record.reason, EndReason::kCompleted) << record.fault;
         const std::size_t hand = modality == Modality::kCF ? 0 : 2;
         EXPECT_GT(rig.drives().strongest_N(), 0.3);
-        for (std::size_t finger = 0; finger < 4; ++finger) {
+        for (std::size_t finger = 0; finger < 4; ++finger)
             EXPECT_LT(rig.drives().force_N(finger), 0.15) << "let go at the end: " << finger;
-        }
         EXPECT_EQ(rig.drives().drive(3 * hand).state(), DriveState::kOperationEnabled);
     }
 }
 
-TEST(DrivenFingers, NothingIsAllocatedWhileTheyArePressed) {
-    Rig rig(with_drives());
+void press_finger(Rig& rig) {
     rig.run_until(kBroughtUp);
     rig.start(trial_of(Modality::kCF));
     ASSERT_TRUE(rig.run_until_sample([&](const TrajectorySample&) { return rig.drives().force_N(0) > 0.3; }));
+}
+
+TEST(DrivenFingers, NothingIsAllocatedWhileTheyArePressed) {
+    Rig rig(with_drives());
+    press_finger(rig);
     const std::uint64_t before = allocation_count();
     EXPECT_EQ(rig.finish().reason, EndReason::kCompleted);
     EXPECT_EQ(allocation_count() - before, 0U);
@@ -231,9 +233,7 @@ TEST(DrivenFingers, NothingIsAllocatedWhileTheyArePressed) {
 
 TEST(DrivenFingers, AFaultInATrialEndsItWithItsWords) {
     Rig rig(with_drives());
-    rig.run_until(kBroughtUp);
-    rig.start(trial_of(Modality::kCF));
-    ASSERT_TRUE(rig.run_until_sample([&](const TrajectorySample&) { return rig.drives().force_N(0) > 0.3; }));
+    press_finger(rig);
     rig.order_drives("emcy 2 0x2310");
     const SessionTime since = rig.now();
     const TrialRecord& record = rig.finish();
@@ -245,10 +245,10 @@ TEST(DrivenFingers, AFaultInATrialEndsItWithItsWords) {
     // The trial was given up in the tick in which the bus said it, and the session heard of it in the same instant.
     EXPECT_LT(rig.now() - since, std::chrono::milliseconds{100});
     EXPECT_EQ(rig.drives().drive(0).state(), DriveState::kSwitchOnDisabled);
-    rig.start(trial_of(Modality::kCCF, {}, 1, 2));
-    EXPECT_EQ(rig.finish().reason, EndReason::kDeviceFault) << "no trial that needs a device that has failed";
-    rig.start(trial_of(Modality::kVF, {}, 1, 3));
-    EXPECT_EQ(rig.finish().reason, EndReason::kCompleted) << "the others do without";
+    EXPECT_EQ(rig.run(trial_of(Modality::kCCF, {}, 1, 2)).reason, EndReason::kDeviceFault)
+        << "no trial that needs a device that has failed";
+    EXPECT_EQ(rig.run(trial_of(Modality::kVF, {}, 1, 3)).reason, EndReason::kCompleted)
+        << "the others do without";
 }
 
 }  // namespace

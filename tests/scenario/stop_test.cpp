@@ -1,6 +1,5 @@
 // Emergency stop and guard in a whole session: from every program, within two samples, and nothing begins before the release.
 #include <algorithm>
-#include <array>
 #include <deque>
 #include <memory>
 #include <string>
@@ -34,12 +33,6 @@ TEST(EmergencyStop, CablesGoSlack) {
     EXPECT_EQ(rig.finish().reason, EndReason::kEmergencyStop);
 }
 
-std::shared_ptr<const LabKey> key_of_stops() {
-    std::array<std::uint8_t, kKeyBytes> bytes{};
-    bytes.fill(7);
-    return std::make_shared<const LabKey>(bytes);
-}
-
 // The session that tools run, not only the rig: a stop in mid-trial, pressed at each program, open and under a lab key.
 class VirtualStop : public testing::TestWithParam<Role> {
   protected:
@@ -48,9 +41,7 @@ class VirtualStop : public testing::TestWithParam<Role> {
         while (session.handle().force_hand_N() <= 0.5) ASSERT_TRUE(session.step());
         session.emergency_stop(at, "a test");
         const std::size_t samples = session.session().record().samples.size();
-        const SessionTime end = session.loop().now() + milliseconds{3};
-        while (session.loop().now() < end && session.step()) {
-        }
+        run_until(session, session.loop().now() + milliseconds{3});
         EXPECT_EQ(session.handle().force_hand_N(), 0);
         EXPECT_LE(session.session().record().samples.size(), samples + 1) << "the needle is held";
         for (const Role role : kNodeRoles) {
@@ -66,7 +57,7 @@ class VirtualStop : public testing::TestWithParam<Role> {
 };
 
 TEST_P(VirtualStop, HoldsUntilItIsReleased) {
-    for (const auto& key : {std::shared_ptr<const LabKey>{}, key_of_stops()}) {
+    for (const auto& key : {std::shared_ptr<const LabKey>{}, lab_key_of(7)}) {
         SCOPED_TRACE(key ? "under a lab key" : "open");
         VirtualSession session(paper(), key);
         press_in_contact(session, GetParam());
@@ -91,12 +82,10 @@ INSTANTIATE_TEST_SUITE_P(Emergency, VirtualStop,
 
 // A handle that gives out energy: HF with 50 ms oscillates, which the guard ends where it is asked to.
 TEST(Guard, ATripEndsTheTrialInItsOwnWordsAndHolds) {
-    SystemSettings settings = paper();
-    set_delay(settings.netem.force, settings.netem.force_timeline, milliseconds{50});
+    SystemSettings settings = paper_with_delays({}, kPaperDelay);
     settings.master.guard.energy_limit_J = 0.02;
     Rig rig(settings);
-    TrialConditions conditions = trial_of(Modality::kHF);
-    conditions.delay_s = 0.05;
+    TrialConditions conditions = trial_of(Modality::kHF, kPaperDelay);
     const TrialRecord& record = rig.run(conditions);
     EXPECT_EQ(record.reason, EndReason::kSafetyStop);
     EXPECT_EQ(record.lost_peer, Role::kMaster);
@@ -115,13 +104,10 @@ TEST(Guard, ATripEndsTheTrialInItsOwnWordsAndHolds) {
 // A hand in the experiment reaches neither limit before the handle oscillates.
 TEST(Guard, TheLimitsOfARealHandleStopAnOscillationAndCutNothingElse) {
     for (const int delay_ms : {0, 10, 50}) {
-        SystemSettings settings = paper();
-        set_delay(settings.netem.force, settings.netem.force_timeline, milliseconds{delay_ms});
+        SystemSettings settings = paper_with_delays({}, milliseconds{delay_ms});
         settings.master.guard = guard_of_real_handle();
         Rig rig(settings);
-        TrialConditions conditions = trial_of(Modality::kHF);
-        conditions.delay_s = delay_ms * 1e-3;
-        const TrialRecord& record = rig.run(conditions);
+        const TrialRecord& record = rig.run(trial_of(Modality::kHF, milliseconds{delay_ms}));
         const bool oscillates = delay_ms == 50;
         EXPECT_EQ(record.reason, oscillates ? EndReason::kSafetyStop : EndReason::kCompleted) << delay_ms;
         EXPECT_EQ(rig.master().guard().cut(), 0U) << delay_ms;
@@ -199,8 +185,7 @@ TEST(StaleInput, TheHandleFollowsThePolicy) {
         EXPECT_EQ(rig.force_at_handle_N(), mode == StaleMode::kHold ? held_N : 0);
         rig.finish();
         EXPECT_EQ(rig.force_at_handle_N(), 0) << "the trial is over";
-        // Each output without input reports for how long: to the trial's end, 500 ms after the last heartbeat or
-        // input.
+        // Each output without input reports for how long: to the trial's end, 500 ms after the last heartbeat or input.
         ASSERT_EQ(rig.master().stale_record().trials(), 1U);
         const StaleRecord::Trial acted = rig.master().stale_record().known().front();
         EXPECT_EQ(acted.trial, 1U);
@@ -280,9 +265,7 @@ TEST(StaleInput, ADelayThatGrowsTakesTheForceOffTheHandleAndTheFinger) {
 // The same delay where the session was told of it is no reason to let go.
 TEST(StaleInput, ADelayThatTheSessionKnowsOfMakesNoForceStale) {
     Rig rig(paper_with_delays({}, milliseconds{300}));
-    TrialConditions conditions = trial_of(Modality::kHF);
-    conditions.delay_s = 0.3;
-    rig.run(conditions);
+    rig.run(trial_of(Modality::kHF, milliseconds{300}));
     EXPECT_GT(rig.take_largest_at_handle_N(), 0.5);
     EXPECT_EQ(rig.master().stale_record().trials(), 0U);
 }

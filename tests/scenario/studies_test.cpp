@@ -167,7 +167,6 @@ TEST(NoLag, OnlyTheLagDiffers) {
     EXPECT_LT(with.penetration_max_m, without.penetration_max_m + 0.002);
 }
 
-// The files of a study of all experiments.
 // A trial per modality; files into `folder`.
 class StudyFiles : public testing::Test {
   protected:
@@ -187,9 +186,8 @@ TEST_F(StudyFiles, AllAnalysesAndFiguresOfAllExperiments) {
     use({experiment_1(paper(), 3, 1), experiment_2(paper(), 4, 1), experiment_3(paper(), 3, 1)});
     run_study(paper(), options);
 
-    for (const char* file : {"trials.csv", "claims.json", "summary.json", "report.html"}) {
+    for (const char* file : {"trials.csv", "claims.json", "summary.json", "report.html"})
         EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
-    }
     for (const char* of : {"trajectories", "bars", "subjects", "distributions", "differences"}) {
         for (const char* experiment : {"_experiment1", "_experiment2", "_experiment3"}) {
             const std::string name = std::string(of) + experiment;

@@ -22,10 +22,12 @@ std::string all_text(const SwarmResult& result) {
     return text;
 }
 
-SwarmResult swarm(std::uint64_t seed, std::uint64_t trials, const BreakForce& break_force = {}) {
+SwarmResult swarm(std::uint64_t seed, std::uint64_t trials, const BreakForce& break_force = {},
+                  unsigned jobs = 0) {
     SwarmOptions options;
     options.seed = seed;
     options.cases = trials;
+    options.jobs = jobs;
     options.break_force = break_force;
     options.most_failures = 1;
     if (!break_force) options.plugin = THIMBLE_PLUGINS "/mine.so";
@@ -111,12 +113,7 @@ TEST(Swarm, FindsAForceThatStays) {
         if (force_N != 0) last_N = force_N;
         return last_N;
     };
-    SwarmOptions options;
-    options.cases = 50;
-    options.most_failures = 1;
-    options.jobs = 1;
-    options.break_force = broken;
-    const SwarmResult result = run_swarm(options);
+    const SwarmResult result = swarm(1, 50, broken, 1);
     ASSERT_FALSE(result.failures.empty());
     SwarmCase again = result.failures.front().smallest;
     EXPECT_TRUE(run_case(again, broken).violation);

@@ -90,20 +90,14 @@ class PanelOnly final : public Overlay {
 };
 
 Scene scene_of(const State& state) {
-    VisualSettings settings;
-    settings.cut_away = settings.fingertip = true;
-    VisualNode node(settings);
-    SessionControl control;
-    control.modality = state.modality;
-    control.fixture_position_m = kWall_m;
-    node.start_trial(from_nanoseconds(1), control, 1);
-    ForceFeedback feedback;
-    feedback.position_surface_m = kRest_m;
-    node.on_picture(node.next_frame(), feedback);
-    feedback.position_needle_m = state.needle_m;
-    feedback.position_surface_m = state.surface_m;
-    feedback.phase = state.phase;
-    feedback.force_tissue_N = feedback.force_total_N = -state.force_N;
+    VisualNode node(VisualSettings{.fingertip = true, .cut_away = true});
+    node.start_trial(from_nanoseconds(1), {.fixture_position_m = kWall_m, .modality = state.modality}, 1);
+    node.on_picture(node.next_frame(), {.position_surface_m = kRest_m});
+    const ForceFeedback feedback{.position_needle_m = state.needle_m,
+                                 .position_surface_m = state.surface_m,
+                                 .force_tissue_N = -state.force_N,
+                                 .force_total_N = -state.force_N,
+                                 .phase = state.phase};
     node.on_picture(node.next_frame(), feedback);
     node.on_force(node.next_frame(), feedback);
     return node.frame(node.next_frame()).value();
@@ -124,9 +118,7 @@ class PlayPictures : public OnAScreen {
         PanelOnly panel(state);
         WindowLoop loop({&window, &display, &hand, &panel}, Duration::zero(), true);
         display.draw(wall_now(), scene_of(state));
-        Page page;
-        if (state.paused) page.kind = PageKind::kPaused;
-        display.turn_page(wall_now(), page);
+        display.turn_page(wall_now(), {.kind = state.paused ? PageKind::kPaused : PageKind::kNone});
         for (int i = 0; i < 4; ++i) loop.turn();
         return loop.picture();
     }

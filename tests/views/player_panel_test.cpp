@@ -36,11 +36,7 @@ class PlayerWindow {
     }
     const Image& image() const { return image_; }
     static WindowSettings settings() {
-        WindowSettings settings;
-        settings.title = "Thimble, panel under test";
-        settings.content_scale = 1;
-        settings.vsync = false;
-        return settings;
+        return {.title = "Thimble, panel under test", .vsync = false, .content_scale = 1};
     }
 
   private:

@@ -47,11 +47,7 @@ struct Shown {
         : window(titled(title)),
           display(light),
           loop({&window, &display, hand, overlay}, Duration::zero(), true) {}
-    static WindowSettings titled(const std::string& title) {
-        WindowSettings settings;
-        settings.title = title;
-        return settings;
-    }
+    static WindowSettings titled(const std::string& title) { return {.title = title}; }
     void turns(int count) {
         for (int i = 0; i < count; ++i) loop.turn();
     }
@@ -62,12 +58,11 @@ struct Shown {
 };
 
 Scene scene_at(SessionTime arrived) {
-    Scene scene;
-    scene.position_surface_m = scene.position_surface_rest_m = 0.02;
-    scene.sample_time = arrived;
-    scene.hand_time = arrived - milliseconds{3};
-    scene.answer_time = arrived - milliseconds{2};
-    return scene;
+    return {.position_surface_m = 0.02,
+            .sample_time = arrived,
+            .position_surface_rest_m = 0.02,
+            .hand_time = arrived - milliseconds{3},
+            .answer_time = arrived - milliseconds{2}};
 }
 
 struct CountingOverlay final : Overlay {
@@ -116,10 +111,7 @@ TEST_F(WindowLoopTest, PageCoversTheSceneUntilTheTrial) {
     Shown shown;
     shown.display.draw({}, scene_at(wall_now()));
     const Image scene = shown.loop.picture();
-    Page page;
-    page.kind = PageKind::kBreak;
-    page.remaining_s = 61;
-    shown.display.turn_page({}, page);
+    shown.display.turn_page({}, {.remaining_s = 61, .kind = PageKind::kBreak});
     const Image covered = shown.loop.picture();
     EXPECT_EQ(covered.at(400, 580), colours::kBackground);
     int ink = 0;
@@ -169,11 +161,14 @@ struct Asking {
         parts.pages = &pages;
         parts.hand = &hand;
         loop.emplace(parts, Duration::zero(), true);
-        Page page;
-        page.kind = PageKind::kQuestion;
-        page.trial = 1;
-        page.trials = pages.checksum();
-        display.turn_page({}, page);
+        ask(pages.checksum());
+    }
+    // The first question of the page set with this checksum.
+    void ask(std::uint32_t checksum) {
+        display.turn_page({}, {.trial = 1, .trials = checksum, .kind = PageKind::kQuestion});
+    }
+    void turns(int count) {
+        for (int i = 0; i < count; ++i) loop->turn();
     }
     PageSet pages;
     PointerHand hand{1e-4};
@@ -185,16 +180,11 @@ struct Asking {
 
 TEST_F(WindowLoopTest, AQuestionOfAnotherPageSetIsNotAnswered) {
     Asking asking("kind = 'likert'\n");
-    Page page;
-    page.kind = PageKind::kQuestion;
-    page.trial = 1;  // the same number, and other words
-    page.trials = asking.pages.checksum() + 1;
-    asking.display.turn_page({}, page);
-    WindowLoop& loop = *asking.loop;
-    loop.turn();
-    ASSERT_TRUE(
-        person(loop, {"search", "--name", "question under test", "windowfocus", "key", "5", "Return"}));
-    for (int i = 0; i < 20; ++i) loop.turn();
+    asking.ask(asking.pages.checksum() + 1);  // the same number, and other words
+    asking.turns(1);
+    ASSERT_TRUE(person(*asking.loop,
+                       {"search", "--name", "question under test", "windowfocus", "key", "5", "Return"}));
+    asking.turns(20);
     EXPECT_FALSE(asking.display.take_answer());
 }
 
@@ -202,8 +192,7 @@ TEST_F(WindowLoopTest, AQuestionIsAnsweredByKeys) {
     Asking asking("kind = 'likert'\n");
     WindowLoop& loop = *asking.loop;
     loop.turn();
-    ASSERT_TRUE(person(loop, {"search", "--name", "question under test", "windowfocus"}));
-    ASSERT_TRUE(person(loop, {"key", "Return"}));
+    ASSERT_TRUE(person(loop, {"search", "--name", "question under test", "windowfocus", "key", "Return"}));
     loop.turn();
     EXPECT_FALSE(asking.display.take_answer()) << "nothing is chosen";
     ASSERT_TRUE(person(loop, {"key", "5", "Right", "Return"}));

@@ -99,6 +99,11 @@ TEST(Report, FiguresKeepTheirIdsApart) {
     }
 }
 
+void draw_bars(const std::filesystem::path& folder) {
+    const FigureSource bars = bar_figure(summarize(small_study().rows), "bars");
+    run_gnuplot(folder, bars.name, bars.data, bars.script);
+}
+
 TEST(Report, WithoutGnuplotTheTablesRemain) {
     const TemporaryDirectory directory;
     const Study study = small_study();
@@ -106,14 +111,8 @@ TEST(Report, WithoutGnuplotTheTablesRemain) {
     DrawnFigures drawn;
     {
         const Path nothing(directory.path().string());
-        try {
-            const FigureSource bars = bar_figure(conditions, "bars");
-            run_gnuplot(directory / "figures", bars.name, bars.data, bars.script);
-            ADD_FAILURE() << "gnuplot was found in an empty PATH";
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code(), ExitCode::kRunFailed);
-            EXPECT_THAT(std::string(error.what()), HasSubstr("install gnuplot"));
-        }
+        EXPECT_THAT(refusal([&] { draw_bars(directory / "figures"); }, ExitCode::kRunFailed),
+                    HasSubstr("install gnuplot"));
         drawn = draw_figures(study.panels.panels(), conditions, directory.path());
     }
     EXPECT_TRUE(drawn.figures.empty());
@@ -132,15 +131,8 @@ TEST(Report, AFailingGnuplotSaysWhy) {
     std::ofstream(directory / "gnuplot") << "#!/bin/sh\necho no such terminal >&2\nexit 3\n";
     std::filesystem::permissions(directory / "gnuplot", std::filesystem::perms::owner_all);
     const Path fake(directory.path().string());
-    try {
-        const FigureSource bars = bar_figure(summarize(small_study().rows), "bars");
-        run_gnuplot(directory / "figures", bars.name, bars.data, bars.script);
-        FAIL() << "a failing gnuplot went unnoticed";
-    } catch (const Error& error) {
-        const std::string what = error.what();
-        EXPECT_THAT(what, HasSubstr("exit code 3"));
-        EXPECT_THAT(what, HasSubstr("no such terminal"));
-    }
+    EXPECT_THAT(refusal([&] { draw_bars(directory / "figures"); }, ExitCode::kRunFailed),
+                testing::AllOf(HasSubstr("exit code 3"), HasSubstr("no such terminal")));
 }
 
 TEST(Report, SummaryHasTheNumbersOfTheTables) {

@@ -1,10 +1,8 @@
 // Datagrams over the loopback interface. Order and counters only: nothing here measures time.
 #include <array>
 #include <cstring>
-#include <netinet/in.h>
 #include <poll.h>
 #include <string>
-#include <sys/socket.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +10,6 @@
 #include "common/error.hpp"
 #include "common/queue_channel.hpp"
 #include "common/runtime/sockets.hpp"
-#include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "tests/allocation_count.hpp"
 #include "tests/refusal.hpp"
@@ -24,14 +21,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 constexpr const char* kHere = "127.0.0.1";
-
-// Any free port, so that tests can run side by side.
-std::uint16_t port_of(const UdpChannel& channel) {
-    sockaddr_in address{};
-    socklen_t length = sizeof address;
-    getsockname(channel.file_descriptor(), static_cast<sockaddr*>(static_cast<void*>(&address)), &length);
-    return ntohs(address.sin_port);
-}
 
 bool wait_for_datagram(const UdpChannel& channel) {
     pollfd waiting{channel.file_descriptor(), POLLIN, 0};

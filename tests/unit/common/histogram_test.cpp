@@ -121,7 +121,6 @@ TEST(RoundTrip, AgeIsFromTheEchoedStampToNow) {
     EXPECT_EQ(round_trip.hold().quantile(0.5), microseconds{300});
 }
 
-// An echo from the future (a peer that makes it up) is no negative age.
 TEST(RoundTrip, AnEchoFromTheFutureCountsAsNow) {
     RoundTrip round_trip;
     ForceFeedback feedback;

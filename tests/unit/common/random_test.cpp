@@ -104,11 +104,14 @@ TEST(RandomStream, UniformCoversTheCircleEvenly) {
     }
 }
 
-TEST(RandomStream, NormalMoments) {
+TEST(RandomStream, NormalMomentsAndTails) {
     RandomStream stream(kKey);
     std::array<double, 4> moments{};
+    int beyond_one = 0, beyond_three = 0;
     for (int i = 0; i < kMany; ++i) {
         const double x = stream.normal();
+        beyond_one += std::fabs(x) > 1;
+        beyond_three += std::fabs(x) > 3;
         double power = 1;
         for (double& moment : moments) moment += (power *= x) / kMany;
     }
@@ -116,16 +119,6 @@ TEST(RandomStream, NormalMoments) {
     EXPECT_NEAR(moments[1], 1, 5 * std::sqrt(2.0 / kMany));
     EXPECT_NEAR(moments[2], 0, 5 * std::sqrt(15.0 / kMany));
     EXPECT_NEAR(moments[3], 3, 5 * std::sqrt(96.0 / kMany));
-}
-
-TEST(RandomStream, NormalTails) {
-    RandomStream stream(kKey);
-    int beyond_one = 0, beyond_three = 0;
-    for (int i = 0; i < kMany; ++i) {
-        const double x = std::fabs(stream.normal());
-        beyond_one += x > 1;
-        beyond_three += x > 3;
-    }
     EXPECT_NEAR(beyond_one, 0.317311 * kMany, 5 * std::sqrt(0.317 * 0.683 * kMany));
     EXPECT_NEAR(beyond_three, 0.0026998 * kMany, 5 * std::sqrt(0.0027 * kMany));
 }

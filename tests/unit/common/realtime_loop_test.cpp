@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "tests/unit/common/packet.hpp"
 
 namespace thimble {
 namespace {
@@ -96,11 +96,7 @@ TEST(RealtimeLoop, NeverEarlyAndOncePerDeadline) {
 
 // Datagrams to `receiver`, which listens on a port of the kernel's choice.
 void send_one(const UdpChannel& receiver) {
-    sockaddr_in address{};
-    socklen_t length = sizeof address;
-    getsockname(receiver.file_descriptor(), static_cast<sockaddr*>(static_cast<void*>(&address)), &length);
-    UdpChannel sender(std::nullopt, Endpoint{"127.0.0.1", ntohs(address.sin_port)});
-    sender.send(std::vector<std::uint8_t>{1});
+    UdpChannel(std::nullopt, Endpoint{"127.0.0.1", port_of(receiver)}).send(Packet{1});
 }
 
 TEST(RealtimeLoop, ADatagramWakesItBeforeItsDeadline) {

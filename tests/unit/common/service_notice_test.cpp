@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <unistd.h>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -29,18 +30,13 @@ TEST(ServiceNotice, SaysReadyAndStoppingByPathAndByName) {
     std::filesystem::remove(path);
 }
 
-TEST(ServiceNotice, TheWatchdogHearsTwicePerPeriodAndNotMore) {
-    const NotifySocket manager(abstract_name());
-    ServiceNotice notice(abstract_name(), milliseconds{1000});
-    for (int at_ms = 5000; at_ms < 6000; ++at_ms) notice.turns(SessionTime{milliseconds{at_ms}});
-    EXPECT_EQ(manager.heard(), "WATCHDOG=1\nWATCHDOG=1\n");
-}
-
-TEST(ServiceNotice, WithoutAWatchdogTurnsAreSilent) {
-    const NotifySocket manager(abstract_name());
-    ServiceNotice notice(abstract_name(), {});
-    notice.turns(SessionTime{milliseconds{1}});
-    EXPECT_EQ(manager.heard(), "");
+TEST(ServiceNotice, TheWatchdogHearsTwicePerPeriodAndNotMoreAndNothingWithoutOne) {
+    for (const auto& [period_ms, words] : {std::pair{1000, "WATCHDOG=1\nWATCHDOG=1\n"}, std::pair{0, ""}}) {
+        const NotifySocket manager(abstract_name());
+        ServiceNotice notice(abstract_name(), milliseconds{period_ms});
+        for (int at_ms = 5000; at_ms < 6000; ++at_ms) notice.turns(SessionTime{milliseconds{at_ms}});
+        EXPECT_EQ(manager.heard(), words) << period_ms;
+    }
 }
 
 TEST(ServiceNotice, ReadsTheEnvironment) {

@@ -4,9 +4,7 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -154,7 +152,6 @@ TEST(StopBus, WhatOneHoldsAllHoldAndLetGo) {
 }
 
 TEST(StopBus, WhatIsNoStopIsCounted) {
-    Party party;
     Encoder encoder;
     StopBus line(Role::kMaster, 1);
     QueuePipe pipe;
@@ -207,24 +204,17 @@ TEST(StopBus, ManyStopsAtOnce) {
     EXPECT_EQ(party.stopped(), 0);
 }
 
-// Where the line hears: what is put in comes out, answers are counted.
+// The end where the line hears; it counts answers.
 class AskedEnd final : public Channel {
   public:
-    void put(Bytes datagram) { waiting_.emplace_back(datagram.begin(), datagram.end()); }
     void send(Bytes /*datagram*/) override {}
     void answer(Bytes /*datagram*/) override { ++answers; }
 
+    QueuePipe asked;
     int answers = 0;
 
   private:
-    Bytes take() override {
-        if (waiting_.empty()) return {};
-        taken_ = std::move(waiting_.front());
-        waiting_.pop_front();
-        return taken_;
-    }
-    std::deque<std::vector<std::uint8_t>> waiting_;
-    std::vector<std::uint8_t> taken_;
+    Bytes take() override { return asked.b.receive(); }
 };
 
 // The session's line; all others are one pipe.
@@ -237,7 +227,7 @@ class LoneLine {
     }
     void hear(const StopOrder& order) {
         Encoder encoder;
-        in.put(encoder.encode(Header{9, now, ++sequence_, 0, Role::kExperimenter}, order));
+        in.asked.a.send(encoder.encode(Header{9, now, ++sequence_, 0, Role::kExperimenter}, order));
     }
     void tick(Duration time) {
         now = SessionTime{time};

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/control/energy_bound.hpp"
+#include "common/control/local_fixture.hpp"
 #include "common/control/passivity_controller.hpp"
 #include "common/control/port_compensator.hpp"
 #include "common/control/port_observer.hpp"
@@ -147,6 +148,14 @@ inline LoopResult run_loop(const HandCase& hand, const Controller& controller, i
     }
     result.last_J = port.energy_in_J();
     return result;
+}
+
+// Pairs of places in a wall at 40 mm and its forces.
+inline void learn_wall(LocalFixture& fixture, double stiffness_N_per_m) {
+    for (int i = 0; i < 400; ++i) {
+        const double inside_m = 5e-4 + 3e-4 * std::sin(0.1 * i);
+        fixture.learn(0.04 + inside_m, stiffness_N_per_m * inside_m);
+    }
 }
 
 // Reading -> wall force, delayed.

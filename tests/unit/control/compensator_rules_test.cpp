@@ -9,24 +9,16 @@
 
 #include "common/control/built_in_controllers.hpp"
 #include "common/control/control_settings.hpp"
-#include "common/control/energy_bound.hpp"
-#include "common/control/local_fixture.hpp"
 #include "common/control/two_port_passivity.hpp"
 #include "common/control/wave_channel.hpp"
 #include "common/error.hpp"
 #include "tests/refusal.hpp"
+#include "tests/unit/control/compensator_loops.hpp"
 
 namespace thimble::test {
 namespace {
 
 constexpr double kRule_s = 1e-3;
-
-void learn_wall(LocalFixture& fixture, double stiffness_N_per_m) {
-    for (int i = 0; i < 400; ++i) {
-        const double inside_m = 5e-4 + 3e-4 * std::sin(0.1 * i);
-        fixture.learn(0.04 + inside_m, stiffness_N_per_m * inside_m);
-    }
-}
 
 TEST(CompensatorRules, AResetFixtureHasItsFirstStiffnessAgain) {
     LocalFixture fixture{LocalFixtureSettings{}};

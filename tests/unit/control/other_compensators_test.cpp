@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "common/control/control_settings.hpp"
-#include "common/control/local_fixture.hpp"
 #include "common/control/two_port_passivity.hpp"
 #include "tests/unit/control/compensator_loops.hpp"
 
@@ -39,10 +38,7 @@ TEST(ScaledForce, HandAndSkinMakeTheWhole) {
 TEST(LocalFixture, LearnsPlaceAndStiffnessFromPairs) {
     LocalFixture fixture{LocalFixtureSettings{}};
     EXPECT_EQ(fixture.force_N(1), 0) << "nothing is known yet";
-    for (int i = 0; i < 400; ++i) {
-        const double x_m = 0.04 + 5e-4 + 3e-4 * std::sin(0.1 * i);
-        fixture.learn(x_m, 5000 * (x_m - 0.04));
-    }
+    learn_wall(fixture, 5000);
     EXPECT_NEAR(fixture.stiffness_N_per_m(), 5000, 1e-6);
     EXPECT_NEAR(fixture.position_m(), 0.04, 1e-12);
 }

@@ -40,10 +40,7 @@ TEST(Cannelloni, FramesComeBackAlsoMoreThanADatagramHolds) {
     CannelloniBus near(pipe.a), far(pipe.b);
     std::vector<CanFrame> sent;
     for (std::uint32_t i = 0; i < 100; ++i) sent.push_back(plain(i, static_cast<std::uint8_t>(i % 9)));
-    CanFrame remote;
-    remote.id = 7 | kCanRemote;
-    remote.length = 8;
-    sent.push_back(remote);
+    sent.push_back({.id = 7 | kCanRemote, .length = 8});
     for (const CanFrame& frame : sent) near.send(frame);
     near.flush();
     CanFrame frame;

@@ -22,18 +22,10 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-SessionControl trial(Modality modality) {
-    SessionControl control;
-    control.kind = ControlKind::kTrialStart;
-    control.modality = modality;
-    return control;
-}
+SessionControl trial(Modality modality) { return {.kind = ControlKind::kTrialStart, .modality = modality}; }
 
 ForceFeedback force(double total_N, bool held = false) {
-    ForceFeedback feedback;
-    feedback.force_total_N = total_N;
-    feedback.needle_held = held;
-    return feedback;
+    return {.force_total_N = total_N, .needle_held = held};
 }
 
 // A device that records its commands and obeys at once.
@@ -115,9 +107,7 @@ TEST(CutaneousNode, OnlyCutaneousModalitiesPress) {
 
 // [control] compensator = "scaled"
 TEST(CutaneousNode, PressesWhatTheHandleDoesNotGive) {
-    CutaneousSettings settings;
-    settings.hand_share = 0.25;
-    Bench bench(settings, Modality::kHF);
+    Bench bench(CutaneousSettings{.hand_share = 0.25}, Modality::kHF);
     EXPECT_EQ(bench.actuator.hand, Hand::kActing);
     bench.feed(0, -2);
     EXPECT_EQ(bench.actuator.current.force_N, 1.5);
@@ -161,9 +151,7 @@ TEST(CutaneousNode, LetsGoWhenFeedbackStops) {
 
 TEST(CutaneousNode, HoldsOrFadesWhereItIsToldTo) {
     for (const StaleMode mode : {StaleMode::kHold, StaleMode::kRamp}) {
-        CutaneousSettings settings;
-        settings.stale.mode = mode;
-        Bench bench(settings);
+        Bench bench(CutaneousSettings{.stale = {mode}});
         bench.feed(0, -0.8);
         for (int ms = 0; ms <= 110; ++ms) bench.felt_N(ms);
         EXPECT_EQ(bench.actuator.current.finger, Finger::kIndex);
@@ -265,11 +253,6 @@ class RunningCutaneous : public testing::Test {
         tick(milliseconds{0});
         for (int ms = 1; ms <= 10; ++ms) feed_and_tick(-1.2);
     }
-    static CutaneousSettings ramping() {
-        CutaneousSettings settings;
-        settings.stale.mode = StaleMode::kRamp;
-        return settings;
-    }
     void feed_and_tick(double force_N) {
         slave.send(now, 1, force(force_N));
         tick(milliseconds{1});
@@ -281,7 +264,7 @@ class RunningCutaneous : public testing::Test {
 
     QueuePorts ports;
     NotingActuator actuator;
-    CutaneousProcess process{5, ramping(), ports, actuator};
+    CutaneousProcess process{5, {.stale = {StaleMode::kRamp}}, ports, actuator};
     OutboundFlow session{Role::kSession, 1, {ports.far_end(Port::kCutaneousControl)}};
     OutboundFlow slave{Role::kSlaveSim, 2, {ports.far_end(Port::kCutaneousForce)}};
     SessionTime now{};

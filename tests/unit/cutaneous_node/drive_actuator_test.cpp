@@ -237,9 +237,7 @@ TEST(DriveActuator, FramesThatAreNobodysChangeNothing) {
 TEST(DriveActuator, ABusThatIsOffIsNamedAndTheDrivesHelpThemselves) {
     ReadyDrives bench;
     bench.press(Finger::kIndex, 1.0, milliseconds{300});
-    CanFrame off;
-    off.id = kCanError | 0x40;
-    bench.far_.send(off);
+    bench.far_.send({.id = kCanError | 0x40});
     bench.far_.flush();
     bench.tick();
     EXPECT_THAT(bench.fault(), HasSubstr("can0: bus-off; check termination"));

@@ -84,9 +84,7 @@ TEST_F(Gateway, ARepeatedDatagramIsTakenOnceAcrossEveryWrap) {
     CannelloniBus far(pipe.b);
     network.repeats = true;
     for (std::uint32_t id = 0; id < 1000; ++id) {
-        CanFrame frame;
-        frame.id = id;
-        far.send(frame);
+        far.send({.id = id});
         far.flush();
         EXPECT_EQ(heard(at(milliseconds{id})), Ids{id});
     }

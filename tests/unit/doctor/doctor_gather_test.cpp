@@ -1,10 +1,8 @@
 // Facts from /proc, /sys and /etc, in folders made for the test, and from other programs' output.
-#include <fstream>
-#include <unistd.h>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/refusal.hpp"
 #include "thimble/doctor/facts.hpp"
 
 namespace thimble {
@@ -15,19 +13,17 @@ using testing::IsEmpty;
 
 class MadeMachine : public testing::Test {
   protected:
-    MadeMachine()
-        : root(std::filesystem::temp_directory_path() / ("thimble_doctor_" + std::to_string(getpid()))) {}
-    ~MadeMachine() override { std::filesystem::remove_all(root); }
     void write(const std::string& file, const std::string& text) const {
         std::filesystem::create_directories((root / file).parent_path());
-        std::ofstream(root / file, std::ios::binary) << text;
+        write_text(root / file, text);
     }
     void hidraw(const std::string& number, const std::string& id, const std::string& descriptor) const {
         const std::string folder = "sys/class/hidraw/hidraw" + number + "/device/";
         write(folder + "uevent", "DRIVER=hid-generic\nHID_ID=0003:" + id + "\nHID_NAME=Some Maker\n");
         write(folder + "report_descriptor", descriptor);
     }
-    std::filesystem::path root;
+    const TemporaryDirectory made;
+    const std::filesystem::path root = made / "root";
 };
 
 // An application collection of one usage of a page of one byte, and nothing in it.

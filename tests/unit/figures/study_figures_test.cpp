@@ -47,7 +47,9 @@ struct SmallStudy {
         }
     }
 
-    void all_measures(double value) {
+    // Experiment 1, in which every measure has this value.
+    void add_all_of(double value) {
+        add(1, {kModalities.begin(), kModalities.end()}, {0}, 4);
         for (TrialRow& row : rows) {
             const TrialConditions conditions = row.conditions;
             row = row_of(conditions.experiment, conditions.subject,
@@ -67,28 +69,19 @@ struct Case {
 
 void PrintTo(const Case& of, std::ostream* out) { *out << of.name; }
 
+const std::vector<double> kNow{0}, kLate{0.05}, kTwo{0, 0.05};
+const std::vector<Modality> kAllButHF{Modality::kCF, Modality::kCCF, Modality::kVF};
+
 const std::vector<Case> kCases{
-    {"TenSubjects",
-     [](SmallStudy& s) {
-         s.add(3, kAll, {0, 0.05}, 10);
-     },
-     5},
-    {"OneSubject",
-     [](SmallStudy& s) {
-         s.add(3, kAll, {0, 0.05}, 1);
-     },
-     4},
+    {"TenSubjects", [](SmallStudy& s) { s.add(3, kAll, kTwo, 10); }, 5},
+    {"OneSubject", [](SmallStudy& s) { s.add(3, kAll, kTwo, 1); }, 4},
     {"OneTrial", [](SmallStudy& s) { s.add(3, Modality::kCF, 0.05, 1, 0.004); }, 4},
     {"OneTrialWithoutDelay", [](SmallStudy& s) { s.add(3, Modality::kHF, 0, 1, 0.004); }, 2},
-    {"NoHF",
-     [](SmallStudy& s) {
-         s.add(3, {Modality::kCF, Modality::kCCF, Modality::kVF}, {0.05}, 10);
-     },
-     5},
-    {"OnlyHF", [](SmallStudy& s) { s.add(3, {Modality::kHF}, {0.05}, 4); }, 4},
+    {"NoHF", [](SmallStudy& s) { s.add(3, kAllButHF, kLate, 10); }, 5},
+    {"OnlyHF", [](SmallStudy& s) { s.add(3, {Modality::kHF}, kLate, 4); }, 4},
     {"TwoModalities",
      [](SmallStudy& s) {
-         s.add(3, {Modality::kHF, Modality::kVF}, {0.05}, 10);
+         s.add(3, {Modality::kHF, Modality::kVF}, kLate, 10);
      },
      5},
     {"SevenDelays",
@@ -98,43 +91,23 @@ const std::vector<Case> kCases{
      4},
     {"AHoleInTheGrid",
      [](SmallStudy& s) {
-         s.add(3, {Modality::kVF}, {0}, 2);
-         s.add(3, {Modality::kHF, Modality::kCF}, {0.05}, 2);
+         s.add(3, {Modality::kVF}, kNow, 2);
+         s.add(3, {Modality::kHF, Modality::kCF}, kLate, 2);
      },
      4},
-    {"AllValuesEqual",
-     [](SmallStudy& s) {
-         s.add(1, kAll, {0}, 4);
-         s.all_measures(0.004);
-     },
-     4},
-    {"AllValuesZero",
-     [](SmallStudy& s) {
-         s.add(1, kAll, {0}, 4);
-         s.all_measures(0);
-     },
-     4},
-    {"NoMeasureAtAll",
-     [](SmallStudy& s) {
-         s.add(1, kAll, {0}, 4);
-         s.all_measures(std::nan(""));
-     },
-     4},
+    {"AllValuesEqual", [](SmallStudy& s) { s.add_all_of(0.004); }, 4},
+    {"AllValuesZero", [](SmallStudy& s) { s.add_all_of(0); }, 4},
+    {"NoMeasureAtAll", [](SmallStudy& s) { s.add_all_of(std::nan("")); }, 4},
     {"NobodyCompletes",
      [](SmallStudy& s) {
-         s.add(3, kAll, {0.05}, 10);
+         s.add(3, kAll, kLate, 10);
          for (TrialRow& row : s.rows) row.metrics.completion_time_s = std::nan("");
      },
      5},
-    {"BelowZero",
-     [](SmallStudy& s) {
-         s.add(1, kAll, {0}, 4);
-         s.all_measures(-0.002);
-     },
-     4},
+    {"BelowZero", [](SmallStudy& s) { s.add_all_of(-0.002); }, 4},
     {"FarOut",
      [](SmallStudy& s) {
-         s.add(1, kAll, {0}, 4);
+         s.add(1, kAll, kNow, 4);
          s.add(1, Modality::kHF, 0, 5, 4);
      },
      4},
@@ -147,10 +120,10 @@ const std::vector<Case> kCases{
          s.panels[1].add(record);
      },
      4},
-    {"Removal", [](SmallStudy& s) { s.add(2, kAll, {0}, 10); }, 5},
+    {"Removal", [](SmallStudy& s) { s.add(2, kAll, kNow, 10); }, 5},
     {"ACompensatorWithALongName",
      [](SmallStudy& s) {
-         s.add(3, {Modality::kHF, Modality::kCF}, {0.05}, 10);
+         s.add(3, {Modality::kHF, Modality::kCF}, kLate, 10);
          for (std::size_t i = 0; i < 10; ++i) {
              TrialRow row = s.rows[i];
              row.conditions.compensator = Compensator::kMemorylessBound;

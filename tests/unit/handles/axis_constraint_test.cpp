@@ -12,14 +12,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-AxisSettings away_from_user() {
-    AxisSettings settings{0, -1};
-    settings.origin_m = 0.01;
-    return settings;
-}
+constexpr AxisSettings kAwayFromUser{0, -1, 0.01};
 
 TEST(AxisConstraint, ZIsTheAxisFromItsOriginWithItsSign) {
-    AxisConstraint axis(away_from_user(), 12);
+    AxisConstraint axis(kAwayFromUser, 12);
     axis.move_to(at(milliseconds{1}), {-0.02, 0.5, 0.7});
     EXPECT_DOUBLE_EQ(axis.position_hand_m(), 0.03);
     // Pushing the hand out is -z, and z is -x.
@@ -27,7 +23,7 @@ TEST(AxisConstraint, ZIsTheAxisFromItsOriginWithItsSign) {
 }
 
 TEST(AxisConstraint, ClipsAndRefusesWhatIsNoNumber) {
-    const AxisConstraint axis(away_from_user(), 8);
+    const AxisConstraint axis(kAwayFromUser, 8);
     EXPECT_EQ(axis.clipped_N(9), 8);
     EXPECT_EQ(axis.clipped_N(-9), -8);
     EXPECT_EQ(axis.clipped_N(std::numeric_limits<double>::quiet_NaN()), 0);
@@ -36,11 +32,7 @@ TEST(AxisConstraint, ClipsAndRefusesWhatIsNoNumber) {
 
 // Along z, with a virtual line to hold the hand on.
 AxisSettings held(double stiffness_N_per_m, double damping_Ns_per_m) {
-    AxisSettings settings{2, 1};
-    settings.lateral = LateralHold::kVirtual;
-    settings.lateral_stiffness_N_per_m = stiffness_N_per_m;
-    settings.lateral_damping_Ns_per_m = damping_Ns_per_m;
-    return settings;
+    return {2, 1, 0, LateralHold::kVirtual, stiffness_N_per_m, damping_Ns_per_m};
 }
 
 TEST(AxisConstraint, TheSpringPullsTowardsTheLineOnly) {

@@ -12,8 +12,6 @@ namespace {
 
 std::string text(const FalconPacket& packet) { return {packet.begin(), packet.end()}; }
 
-std::vector<std::uint8_t> bytes(const std::string& letters) { return {letters.begin(), letters.end()}; }
-
 TEST(FalconPacket, GoldenCommands) {
     EXPECT_EQ(text(encode(FalconCommand{{}, false, 0})), "<AAAAAAAAAAAAAA>");
     EXPECT_EQ(text(encode(FalconCommand{{}, true, kFalconGreen})), "<AAAAAAAAAAAADA>");
@@ -27,7 +25,7 @@ TEST(FalconPacket, MotorsAreCutAtTheirLimit) {
 }
 
 TEST(FalconPacket, GoldenEncoder) {
-    const auto letters = bytes("<JFKPAAAAAAAAxA>");
+    const std::string letters = "<JFKPAAAAAAAAxA>";
     FalconPacket packet{};
     std::copy(letters.begin(), letters.end(), packet.begin());
     packet[13] = 'A' + 0x71;

@@ -70,6 +70,10 @@ class BoardActuatorTest : public testing::Test {
         }
     }
     void board_says(const BoardStatus& status) { cable.said.push_back(bytes_of(encode(status))); }
+    void board_presses(Duration time = milliseconds{1}) {
+        board_says({0, true, false, BoardFault::kNone, 900, 0});
+        turn(time);
+    }
     BoardCommand last_told() const { return decode_board_command(cable.told.back()).value(); }
 
     const HidDevice device{"/dev/hidraw2", "Board", "S1", 0x1209, 0x0001, kBoardUsagePage, kBoardUsage};
@@ -134,14 +138,12 @@ TEST_F(BoardActuatorTest, LetsGoWhenTheNodesLoopStands) {
 }
 
 TEST_F(BoardActuatorTest, ASilentBoardIsTroubleAndOneThatSpeaksAgainIsNot) {
-    board_says({0, true, false, BoardFault::kNone, 900, 0});
-    turn(milliseconds{90});
+    board_presses(milliseconds{90});
     EXPECT_THAT(actuator.fault(), IsEmpty());
     turn(milliseconds{20});
     EXPECT_THAT(actuator.fault(), HasSubstr("no valid report for 100 ms"));
     EXPECT_EQ(actuator.output(now).finger, Finger::kNone);
-    board_says({0, true, false, BoardFault::kNone, 900, 0});
-    turn();
+    board_presses();
     EXPECT_THAT(actuator.fault(), IsEmpty());
 }
 
@@ -165,8 +167,7 @@ TEST_F(BoardActuatorTest, OneThatRepeatsItselfIsSilent) {
 }
 
 TEST_F(BoardActuatorTest, AStallOfThisComputerIsNoSilenceOfTheBoard) {
-    board_says({0, true, false, BoardFault::kNone, 900, 0});
-    turn();
+    board_presses();
     now += milliseconds{500};
     turn();
     EXPECT_THAT(actuator.fault(), IsEmpty());
@@ -208,8 +209,7 @@ TEST_F(BoardActuatorTest, AnotherVersionIsTold) {
 }
 
 TEST_F(BoardActuatorTest, UnpluggedItIsTroubleAtOnce) {
-    board_says({0, true, false, BoardFault::kNone, 900, 0});
-    turn();
+    board_presses();
     ASSERT_GT(actuator.output(now).force_N, 0);
     cable.plugged = false;
     turn();

@@ -18,6 +18,8 @@ using testing::HasSubstr;
 
 SystemSettings paper() { return load_system_settings({}); }
 
+SystemSettings config(const char* text) { return read_system_settings(ConfigFile::parse(text, "test")); }
+
 LoopFigures link(double median_s, double p99_s) { return {true, median_s, p99_s, 0, 0.002}; }
 
 Fit fit(Modality modality, const LoopFigures& figures) {
@@ -38,9 +40,6 @@ TEST(LinkVerdict, LimitsFollowFromTheSession) {
 }
 
 TEST(LinkVerdict, ASofterFixtureBearsMoreAndNoneBearsAll) {
-    const auto config = [](const char* text) {
-        return read_system_settings(ConfigFile::parse(text, "test"));
-    };
     EXPECT_GT(loop_limits(config("[fixture]\nstiffness_N_per_m = 1000\n")).critical_delay_s,
               2 * loop_limits(paper()).critical_delay_s);
     EXPECT_GT(loop_limits(config("[master]\nforce_scale = 0.5\n")).critical_delay_s,
@@ -62,8 +61,7 @@ TEST(LinkVerdict, HandleForceNeedsAShortLoop) {
 
 TEST(LinkVerdict, AForceThatCountsAsTooOldIsToldWithTheKeyThatHelps) {
     const auto judged = [](const char* text, double median_s, double p99_s) {
-        const auto settings = read_system_settings(ConfigFile::parse(text, "test"));
-        return judge(Modality::kHF, link(median_s, p99_s), loop_limits(settings));
+        return judge(Modality::kHF, link(median_s, p99_s), loop_limits(config(text)));
     };
     const char* soft = "[fixture]\nstiffness_N_per_m = 0\n";
     EXPECT_EQ(judged(soft, 0.08, 0.09).fit, Fit::kFits);

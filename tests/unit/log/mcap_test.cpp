@@ -112,8 +112,7 @@ TEST(Mcap, ZerosAtTheEndAreNoRecords) {
     file.resize(file.size() - 8);
     file.resize(file.size() + 4096);
     SaidByLog said;
-    const McapScan scan = scan_mcap(file, said);
-    EXPECT_FALSE(scan.finished);
+    EXPECT_FALSE(scan_mcap(file, said).finished);
     EXPECT_THAT(said.messages, SizeIs(6));
 }
 
@@ -128,8 +127,7 @@ TEST(Mcap, AFlippedBitIsNeverBelieved) {
         auto flipped = file;
         flipped[bit / 8] = static_cast<std::uint8_t>(flipped[bit / 8] ^ (1U << (bit % 8)));
         SaidByLog said;
-        const McapScan scan = scan_mcap(flipped, said);
-        ASSERT_EQ(scan.damaged, 2U) << bit;  // the chunk, and the data section as a whole
+        ASSERT_EQ(scan_mcap(flipped, said).damaged, 2U) << bit;  // the chunk, and the data section as a whole
         ASSERT_THAT(said.messages, ElementsAre(whole.messages[4], whole.messages[5])) << bit;
     }
 }

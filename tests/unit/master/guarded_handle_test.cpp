@@ -293,10 +293,7 @@ class NobodyAtTheHandle final : public OperatorPort {
 class RestingMaster : public testing::Test {
   protected:
     RestingMaster() {
-        SessionControl order;
-        order.kind = ControlKind::kTrialStart;
-        order.modality = Modality::kHF;
-        session.send(now, 1, order);
+        session.send(now, 1, SessionControl{.kind = ControlKind::kTrialStart, .modality = Modality::kHF});
         tick(milliseconds{0});
     }
     static MasterSettings settings() {
@@ -307,10 +304,7 @@ class RestingMaster : public testing::Test {
     // A sample, and the answer to it.
     void tick(Duration later = milliseconds{1}) {
         now += later;
-        ForceFeedback feedback;
-        feedback.force_total_N = -5;
-        feedback.echo_time = now;
-        slave.send(now, 1, feedback);
+        slave.send(now, 1, ForceFeedback{.force_total_N = -5, .echo_time = now});
         process.tick(now);
     }
     double commanded_N() const { return handle.sample.force_hand_N; }

@@ -14,10 +14,7 @@ using std::chrono::milliseconds;
 constexpr HandleControlScale kPaperScale{};
 
 ForceFeedback pushes(double force_N, double needle_m = 0.12) {
-    ForceFeedback feedback;
-    feedback.position_needle_m = needle_m;
-    feedback.force_fixture_N = feedback.force_total_N = -force_N;
-    return feedback;
+    return {.position_needle_m = needle_m, .force_fixture_N = -force_N, .force_total_N = -force_N};
 }
 
 ControlSettings of(Compensator compensator) {
@@ -78,9 +75,7 @@ TEST(HandleControl, ALocalFixtureActsAtOnceAndIsForgottenInSilence) {
     EXPECT_EQ(control.force_N(), 0);
     control.sample(SessionTime{milliseconds{1}}, {0.0395, 0});
     EXPECT_NEAR(control.force_N(), 1.5, 1e-9);
-    ForceFeedback held;
-    held.needle_held = true;
-    control.take(held);
+    control.take(ForceFeedback{.needle_held = true});
     EXPECT_EQ(control.force_N(), 0);
     ForceFeedback strong = pushes(3);
     strong.force_tissue_N = -kPaperScale.force_limit_N;
@@ -100,15 +95,12 @@ TEST(HandleControl, WavesArePlayedWhenTheNetworkWasExpectedToBringThem) {
         HandleControl control(settings, kPaperScale);
         control.start(true, milliseconds{delay_ms});
         const int due = std::max(1, delay_ms);
-        WaveBurst burst;
-        burst.count = 1;
         for (int n = 0; n < 2 * due + 2; ++n) {
             control.sample(SessionTime{milliseconds{n}}, {0, 0});
             EXPECT_EQ(control.burst().number, static_cast<std::uint32_t>(n));
             EXPECT_EQ(control.force_N() != 0, n >= due) << delay_ms << ' ' << n;
-            burst.number = static_cast<std::uint32_t>(n);
-            burst.wave_root_W[0] = -0.1;
-            control.take(burst);
+            control.take(
+                WaveBurst{.wave_root_W = {-0.1}, .number = static_cast<std::uint32_t>(n), .count = 1});
         }
         EXPECT_GT(control.force_N(), 0) << "waves that come back negative push the hand out";
     }
@@ -128,12 +120,9 @@ class WavesOverANetwork {
     double sample(double wave_root_W) {
         const SessionTime now{milliseconds{samples_++}};
         control_.sample(now, {0, 0});
-        WaveBurst burst;
-        burst.count = 1;
-        burst.number = control_.burst().number;
-        burst.wave_root_W[0] = wave_root_W;
         newest_ = std::max(newest_, now + delay_);
-        under_way_.push_back({newest_, burst});
+        under_way_.push_back(
+            {newest_, {.wave_root_W = {wave_root_W}, .number = control_.burst().number, .count = 1}});
         for (; !under_way_.empty() && under_way_.front().comes <= now; under_way_.pop_front())
             control_.take(under_way_.front().burst);
         return control_.force_N();

@@ -18,10 +18,7 @@ class MasterInTrial : public testing::Test {
     SessionTime after(int ms) const { return begin + milliseconds{ms}; }
     // The answer to the sample at `made_ms`.
     std::optional<double> take(int ms, int made_ms, bool held = false) {
-        ForceFeedback feedback;
-        feedback.force_total_N = -4;
-        feedback.echo_time = after(made_ms);
-        feedback.needle_held = held;
+        const ForceFeedback feedback{.force_total_N = -4, .echo_time = after(made_ms), .needle_held = held};
         return node.take(after(ms), feedback);
     }
 
@@ -96,9 +93,8 @@ TEST(MasterNode, APredictedForceReachesEachControllerAndIsNotReceived) {
         const SessionTime begin = at(std::chrono::seconds{1});
         node.start_trial(begin, Modality::kHF, milliseconds{50});
         for (const int made_ms : {0, 10}) {
-            ForceFeedback feedback;
-            feedback.echo_time = begin + milliseconds{made_ms};
-            feedback.force_total_N = -1 - 0.01 * made_ms;
+            const ForceFeedback feedback{.force_total_N = -1 - 0.01 * made_ms,
+                                         .echo_time = begin + milliseconds{made_ms}};
             node.take(feedback.echo_time + milliseconds{40}, feedback);
         }
         for (const int since_ms : {1, 5})

@@ -169,10 +169,7 @@ double hold_mm(double friction_N, double sway_m) {
     double square_mm2 = 0;
     std::vector<double> needle_mm;
     for (int ms = 0; ms < kBegin_ms + kHolds * kHold_ms; ++ms) {
-        Percept percept;
-        percept.touching_shown = true;
-        percept.force_N = ms > 1500 ? 3 : 0;
-        handle.perceive(at(milliseconds{ms}), percept);
+        handle.perceive(at(milliseconds{ms}), {.force_N = ms > 1500 ? 3.0 : 0.0, .touching_shown = true});
         if (ms >= kBegin_ms) needle_mm.push_back(3000 * handle.position_hand_m());
         if (needle_mm.size() < kHold_ms) continue;
         double mean = 0;

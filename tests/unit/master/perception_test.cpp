@@ -11,14 +11,8 @@
 namespace thimble::test {
 namespace {
 
-Subject subject_with_criterion(double criterion_N) {
-    Subject subject;
-    subject.criterion_N = criterion_N;
-    return subject;
-}
-
 Perception calm(Modality modality, double criterion_N = 2) {
-    return {calm_parameters().perception, subject_with_criterion(criterion_N), task_of(modality)};
+    return {calm_parameters().perception, Subject{.criterion_N = criterion_N}, task_of(modality)};
 }
 
 TEST(Criterion, IsCappedByTheRangeOfTheDisplayInUse) {
@@ -64,7 +58,7 @@ TEST(Perception, ContactIsLostAfterMoreThanTwentyMilliseconds) {
 TEST(Perception, NoiseIsTheWeberFractionOfTheStimulus) {
     for (const auto& [modality, weber] :
          {std::pair{Modality::kHF, 0.08}, std::pair{Modality::kCF, 0.16}, std::pair{Modality::kVF, 0.05}}) {
-        Perception perception(PerceptionParameters{}, subject_with_criterion(2), task_of(modality));
+        Perception perception(PerceptionParameters{}, Subject{.criterion_N = 2}, task_of(modality));
         double sum = 0;
         constexpr int kTicks = 1'000'000;
         const double skin_N = modality == Modality::kHF ? 0 : 4;  // the hand feels the handle
@@ -77,9 +71,7 @@ TEST(Perception, NoiseIsTheWeberFractionOfTheStimulus) {
 }
 
 TEST(Reaction, MediansArePublishedOnesTimesTheSubject) {
-    Subject subject;
-    subject.reaction_factor = 2;
-    subject.reaction_modality_factor = {1, 1, 1.5, 1};
+    const Subject subject{.reaction_factor = 2, .reaction_modality_factor = {1, 1, 1.5, 1}};
     const auto reaction = [&](Modality modality) {
         return ReactionTimes(calm_parameters().reaction, subject, task_of(modality));
     };

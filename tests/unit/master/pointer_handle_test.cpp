@@ -15,11 +15,7 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-HandleSettings without_friction() {
-    HandleSettings settings;
-    settings.mechanics.friction_N = 0;
-    return settings;
-}
+HandleSettings without_friction() { return {.mechanics = {.friction_N = 0}}; }
 
 class PointerHandleTest : public testing::Test {
   protected:

@@ -71,8 +71,7 @@ TEST(VelocitySettings, ASlowHandleNeedsNoWindow) {
 
 TEST(MasterNode, UsesTheEstimatorItIsGiven) {
     MasterSettings settings;
-    settings.velocity.method = VelocityMethod::kWindowed;
-    settings.velocity.window = milliseconds{10};
+    settings.velocity = {.method = VelocityMethod::kWindowed, .window = milliseconds{10}};
     MasterNode master(settings);
     master.start_trial({}, Modality::kHF);
     NeedleCommand command;

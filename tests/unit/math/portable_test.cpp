@@ -66,95 +66,39 @@ struct Function {
     int (*theirs)(mpfr_t, const mpfr_t, mpfr_rnd_t);
     double low, high;           // evenly spread arguments lie in between
     double smallest, greatest;  // sizes of arguments of both signs, evenly spread in their logarithm
-    // The hardest arguments of CORE-MATH's lists (core-math.gitlabpages.inria.fr): results within 2^-54 of the middle between two
-    // doubles, in units of their last place.
     std::vector<double> hard;
 };
 
 int mpfr_log1p_(mpfr_t result, const mpfr_t x, mpfr_rnd_t mode) { return mpfr_log1p(result, x, mode); }
 
+// The hardest arguments of CORE-MATH's lists (core-math.gitlabpages.inria.fr): results within 2^-54 of the middle between two
+// doubles, in units of their last place.
+const std::vector<double> kHardForExp{0x1.0122ef37212ebp-1, 0x1.fb8586ea2d8fcp-1, 0x1.516cf0ad645ep+0,
+                                      0x1.3d963bb752ap-1};
+const std::vector<double> kHardForExpm1{0x1.274bbf1efb1a2p-10, 0x1.51fce10251a48p-16, -0x1.6e9b2675a667ep-44};
+const std::vector<double> kHardForLog{0x1.fd15daa6ce332p+732, 0x1.9476e304cd7c7p-384, 0x1.613955dc802f8p-35};
+const std::vector<double> kHardForLog10{0x1.e12d66744ff81p+429, 0x1.ed8c87c3bf5cfp-49, 1e22, 1000};
+const std::vector<double> kHardForTanh{0x1.e0000000000e1p-22, 0x1.68000000017bbp-19, 0x1.1375c272d441cp+1};
+const std::vector<double> kHardForCbrt{0x1.a202bfc89ddffp-1, 0x1.9b78223aa307cp+1, 27, -0.125};
+const std::vector<double> kHardForSin{0x1.598bae9e632f6p-7, 0x1.1fa4f6c3eb138p+10, 0x1.021b4c18f7825p+1023,
+                                      0x1.921fb54442d18p+1};
+const std::vector<double> kHardForCos{0x1.34ec2f9fc9cp+1, 0x1.6b8a6273d7c21p+0, 0x1.16e534ee3658p-4,
+                                      0x1.921fb54442d18p+0};
+const std::vector<double> kHardForAcos{0x1.53ea6c7255e88p-4, 0x1.cf37d41c69889p-24, -1, 1};
+const std::vector<double> kHardForAtan{0x1.6298b5896ed3cp+1, 0x1.22e8d75e2bc7fp-11, 0x1.ccda26ad0cd1cp+47};
+
 const std::array<Function, 11> kFunctions{{
-    {"exp",
-     portable::exp,
-     mpfr_exp,
-     -745,
-     710,
-     1e-17,
-     700,
-     {0x1.0122ef37212ebp-1, 0x1.fb8586ea2d8fcp-1, 0x1.516cf0ad645ep+0, 0x1.3d963bb752ap-1}},
-    {"expm1",
-     portable::expm1,
-     mpfr_expm1,
-     -1,
-     1,
-     1e-18,
-     700,
-     {0x1.274bbf1efb1a2p-10, 0x1.51fce10251a48p-16, -0x1.6e9b2675a667ep-44}},
-    {"log",
-     portable::log,
-     mpfr_log,
-     0.5,
-     2,
-     1e-300,
-     1e300,
-     {0x1.fd15daa6ce332p+732, 0x1.9476e304cd7c7p-384, 0x1.613955dc802f8p-35}},
+    {"exp", portable::exp, mpfr_exp, -745, 710, 1e-17, 700, kHardForExp},
+    {"expm1", portable::expm1, mpfr_expm1, -1, 1, 1e-18, 700, kHardForExpm1},
+    {"log", portable::log, mpfr_log, 0.5, 2, 1e-300, 1e300, kHardForLog},
     {"log1p", portable::log1p, mpfr_log1p_, -1, 3, 1e-17, 1e17, {}},
-    {"log10",
-     portable::log10,
-     mpfr_log10,
-     1e-3,
-     1e3,
-     1e-300,
-     1e300,
-     {0x1.e12d66744ff81p+429, 0x1.ed8c87c3bf5cfp-49, 1e22, 1000}},
-    {"tanh",
-     portable::tanh,
-     mpfr_tanh,
-     -3,
-     3,
-     1e-17,
-     30,
-     {0x1.e0000000000e1p-22, 0x1.68000000017bbp-19, 0x1.1375c272d441cp+1}},
-    {"cbrt",
-     portable::cbrt,
-     mpfr_cbrt,
-     0,
-     1,
-     1e-300,
-     1e300,
-     {0x1.a202bfc89ddffp-1, 0x1.9b78223aa307cp+1, 27, -0.125}},
-    {"sin",
-     portable::sin,
-     mpfr_sin,
-     -7,
-     7,
-     1e-10,
-     1e300,
-     {0x1.598bae9e632f6p-7, 0x1.1fa4f6c3eb138p+10, 0x1.021b4c18f7825p+1023, 0x1.921fb54442d18p+1}},
-    {"cos",
-     portable::cos,
-     mpfr_cos,
-     -7,
-     7,
-     1e-10,
-     1e300,
-     {0x1.34ec2f9fc9cp+1, 0x1.6b8a6273d7c21p+0, 0x1.16e534ee3658p-4, 0x1.921fb54442d18p+0}},
-    {"acos",
-     portable::acos,
-     mpfr_acos,
-     -1,
-     1,
-     1e-70,
-     1,
-     {0x1.53ea6c7255e88p-4, 0x1.cf37d41c69889p-24, -1, 1}},
-    {"atan",
-     portable::atan,
-     mpfr_atan,
-     -5,
-     5,
-     1e-300,
-     1e300,
-     {0x1.6298b5896ed3cp+1, 0x1.22e8d75e2bc7fp-11, 0x1.ccda26ad0cd1cp+47}},
+    {"log10", portable::log10, mpfr_log10, 1e-3, 1e3, 1e-300, 1e300, kHardForLog10},
+    {"tanh", portable::tanh, mpfr_tanh, -3, 3, 1e-17, 30, kHardForTanh},
+    {"cbrt", portable::cbrt, mpfr_cbrt, 0, 1, 1e-300, 1e300, kHardForCbrt},
+    {"sin", portable::sin, mpfr_sin, -7, 7, 1e-10, 1e300, kHardForSin},
+    {"cos", portable::cos, mpfr_cos, -7, 7, 1e-10, 1e300, kHardForCos},
+    {"acos", portable::acos, mpfr_acos, -1, 1, 1e-70, 1, kHardForAcos},
+    {"atan", portable::atan, mpfr_atan, -5, 5, 1e-300, 1e300, kHardForAtan},
 }};
 
 std::vector<double> arguments_of(const Function& function) {

@@ -29,8 +29,7 @@ TEST(Corrupt, FlipsAsManyBitsAsAsked) {
         corrupt.configure(bits);
         std::vector<std::uint8_t> bytes(*rc::gen::inRange<std::size_t>(1, 40), 0);
         corrupt.flip(*rc::gen::arbitrary<std::uint32_t>(), bytes);
-        const std::vector<std::uint8_t> zeros(bytes.size(), 0);
-        RC_ASSERT(flipped_bits(bytes, zeros) ==
+        RC_ASSERT(flipped_bits(bytes, std::vector<std::uint8_t>(bytes.size())) ==
                   static_cast<int>(std::min<std::size_t>(bits, 8 * bytes.size())));
     }));
 }
@@ -76,7 +75,6 @@ TEST(Corrupt, HitsAsOftenAsAskedAndBothCopiesAlike) {
     EXPECT_EQ(link.counters().corrupted, hit);
 }
 
-// Packets that arrive twice.
 LinkSettings doubling(double probability) {
     LinkSettings settings{.delay = milliseconds{20}, .jitter = {JitterShape::kUniform, milliseconds{10}}};
     settings.duplicate = probability;

@@ -2,6 +2,7 @@
 // correlation.
 #include "netem/stages/jitter.hpp"
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -74,6 +75,9 @@ struct Sampler {
     Jitter jitter;
 };
 
+constexpr std::array kEveryShape{JitterShape::kUniform, JitterShape::kNormal,       JitterShape::kGamma,
+                                 JitterShape::kPareto,  JitterShape::kParetoNormal, JitterShape::kTable};
+
 class EachShape : public testing::TestWithParam<JitterShape> {};
 
 // With correlation each 20th packet: so far apart these are independent, as the limit supposes (0.6^20 = 4e-5).
@@ -102,10 +106,7 @@ TEST_P(EachShape, DeviateDependsOnThePacketOnly) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Jitter, EachShape,
-                         testing::Values(JitterShape::kUniform, JitterShape::kNormal, JitterShape::kGamma,
-                                         JitterShape::kPareto, JitterShape::kParetoNormal,
-                                         JitterShape::kTable));
+INSTANTIATE_TEST_SUITE_P(Jitter, EachShape, testing::ValuesIn(kEveryShape));
 
 TEST(Jitter, AchievesTheCorrelationAsked) {
     for (const double r : {0.3, 0.6, 0.9}) {
@@ -124,8 +125,7 @@ TEST(Jitter, ChainFollowsThePacketBefore) {
     Sampler chain(JitterShape::kNormal, 0.6);
     double z = chain.jitter.deviate(0);
     for (std::uint64_t packet = 1; packet < 50; ++packet) {
-        const double fresh = Sampler(JitterShape::kNormal, 0.6).jitter.deviate(packet);
-        z = 0.6 * z + 0.8 * fresh;
+        z = 0.6 * z + 0.8 * Sampler(JitterShape::kNormal, 0.6).jitter.deviate(packet);
         ASSERT_NEAR(chain.jitter.deviate(packet), z, 1e-9) << packet;
     }
 }
@@ -195,8 +195,7 @@ TEST(DelayShape, MeanIsZeroAndVarianceOne) {
 }
 
 TEST(DelayShape, RisesWithItsArgument) {
-    for (const JitterShape shape : {JitterShape::kUniform, JitterShape::kNormal, JitterShape::kGamma,
-                                    JitterShape::kPareto, JitterShape::kParetoNormal, JitterShape::kTable}) {
+    for (const JitterShape shape : kEveryShape) {
         for (const double ratio : {0.35, 1.0, 3.0, 30.0, 3000.0}) {
             const DelayShape deviates = shape_of(shape, ratio);
             double last = -std::numeric_limits<double>::infinity();
@@ -260,12 +259,9 @@ TEST(DelayShape, BothArgumentsMeanTheSame) {
 
 TEST(JitterTable, StraightLinesBetweenItsDeviates) {
     const JitterTable table({-2, -1, 1, 2});
-    EXPECT_EQ(table.quantile(0), -2);
-    EXPECT_EQ(table.quantile(0.125), -2);
-    EXPECT_EQ(table.quantile(0.375), -1);
-    EXPECT_EQ(table.quantile(0.5), 0);
-    EXPECT_EQ(table.quantile(0.75), 1.5);
-    EXPECT_EQ(table.quantile(1), 2);
+    for (const auto& [share, deviate] :
+         {std::pair{0.0, -2.0}, {0.125, -2}, {0.375, -1}, {0.5, 0}, {0.75, 1.5}, {1, 2}})
+        EXPECT_EQ(table.quantile(share), deviate) << share;
 }
 
 TEST(JitterTable, KnowsItsMeanAndSpread) {

@@ -19,20 +19,14 @@ TEST(LinkChange, FollowsItsTimelineFromTheStart) {
     LinkModel link(delayed(milliseconds{5}), kKey, 0, kSteps);
     for (const Duration start : {Duration{0}, Duration{seconds{9}}}) {
         link.restart(kKey, at(start));
-        std::vector<SessionTime> due;
         for (std::uint32_t i = 0; i < 30; ++i) {
             link.push(at(start + i * kMillisecond), NumberedPacket(i).bytes());
         }
-        while (link.next_due() != kNever) {
-            due.push_back(link.next_due());
-            link.pop_due(due.back());
-        }
-        ASSERT_EQ(due.size(), 30U);
-        EXPECT_EQ(due[9], at(start + milliseconds{14}));
-        EXPECT_EQ(due[10], at(start + milliseconds{60}));
+        const std::vector<Arrival> arrivals = drained(link);
+        ASSERT_EQ(arrivals.size(), 30U);
         // In order: what came after 20 ms waits for those before, which keep their fate.
-        EXPECT_EQ(due[20], at(start + milliseconds{69}));
-        EXPECT_EQ(due[29], at(start + milliseconds{69}));
+        for (const auto& [packet, due_ms] : {std::pair{9U, 14}, {10U, 60}, {20U, 69}, {29U, 69}})
+            EXPECT_EQ(arrivals[packet], (Arrival{packet, at(start + milliseconds{due_ms})}));
     }
 }
 

@@ -159,10 +159,15 @@ const char* const kTimeline =
     "[[netem.force.timeline]]\nat_s = 20.5\ndelay_s = 0.3\n"
     "[[netem.force.timeline]]\nat_s = 30\nloss = 0\n";
 
-TEST(Timeline, EachEntryBeginsWithTheSettingsBeforeIt) {
-    const ConfigFile file = ConfigFile::parse(kTimeline, "session.toml");
-    const NetemSettings netem = read_netem_settings(file);
+NetemSettings read_netem(const std::string& text) {
+    const ConfigFile file = ConfigFile::parse(text, "session.toml");
+    NetemSettings netem = read_netem_settings(file);
     file.finish();
+    return netem;
+}
+
+TEST(Timeline, EachEntryBeginsWithTheSettingsBeforeIt) {
+    const NetemSettings netem = read_netem(kTimeline);
     ASSERT_EQ(netem.force_timeline.size(), 3U);
     EXPECT_TRUE(netem.needle_timeline.empty());
     EXPECT_EQ(netem.force_timeline[0].at, seconds{10});
@@ -175,11 +180,8 @@ TEST(Timeline, EachEntryBeginsWithTheSettingsBeforeIt) {
 }
 
 TEST(SessionLinks, AProfileGivesEachDirectionItsWay) {
-    const ConfigFile file = ConfigFile::parse(
-        "[netem.needle]\nprofile = \"5g-nsa\"\n[netem.force]\nprofile = \"5g-nsa\"\nloss = 0.25\n",
-        "session.toml");
-    const NetemSettings netem = read_netem_settings(file);
-    file.finish();
+    const NetemSettings netem = read_netem(
+        "[netem.needle]\nprofile = \"5g-nsa\"\n[netem.force]\nprofile = \"5g-nsa\"\nloss = 0.25\n");
     const LinkProfile profile = load_profile("5g-nsa");
     EXPECT_EQ(netem.needle, profile.up);
     EXPECT_EQ(netem.force.delay, profile.down.delay);
@@ -188,12 +190,12 @@ TEST(SessionLinks, AProfileGivesEachDirectionItsWay) {
 }
 
 TEST(SessionLinks, RefuseAProfileThatIsNotThere) {
-    const ConfigFile file = ConfigFile::parse("[netem.force]\nprofile = \"5g-sa\"\n", "session.toml");
-    EXPECT_THAT(refusal([&] { read_netem_settings(file); }, ExitCode::kUsage), testing::HasSubstr("5g-nsa"));
+    EXPECT_THAT(refusal([] { read_netem("[netem.force]\nprofile = \"5g-sa\"\n"); }, ExitCode::kUsage),
+                testing::HasSubstr("5g-nsa"));
 }
 
 TEST(Timeline, AnotherDelayHoldsUntilTheTimelineHasItsOwn) {
-    NetemSettings netem = read_netem_settings(ConfigFile::parse(kTimeline, "session.toml"));
+    NetemSettings netem = read_netem(kTimeline);
     set_delay(netem.force, netem.force_timeline, milliseconds{7});
     EXPECT_EQ(netem.force.delay, milliseconds{7});
     EXPECT_EQ(netem.force_timeline[0].settings.delay, milliseconds{7});
@@ -202,17 +204,11 @@ TEST(Timeline, AnotherDelayHoldsUntilTheTimelineHasItsOwn) {
 }
 
 TEST(Timeline, RefusesWhatIsOutOfOrder) {
-    for (const char* text : {"[[netem.force.timeline]]\nloss = 0.1", "[[netem.force.timeline]]\nat_s = 0",
-                             "[[netem.force.timeline]]\nat_s = 2\n[[netem.force.timeline]]\nat_s = 2",
-                             "[[netem.force.timeline]]\nat_s = 2\nlos = 1",
-                             "[[netem.force.timeline]]\nat_s = 2\ntimeline = 1"}) {
-        const ConfigFile file = ConfigFile::parse(text, "session.toml");
-        const auto read_all = [&] {
-            read_netem_settings(file);
-            file.finish();
-        };
-        EXPECT_THROW(read_all(), Error) << text;
-    }
+    for (const char* text :
+         {"[[netem.force.timeline]]\nloss = 0.1", "[[netem.force.timeline]]\nat_s = 0",
+          "[[netem.force.timeline]]\nat_s = 2\n[[netem.force.timeline]]\nat_s = 2",
+          "[[netem.force.timeline]]\nat_s = 2\nlos = 1", "[[netem.force.timeline]]\nat_s = 2\ntimeline = 1"})
+        EXPECT_THROW(read_netem(text), Error) << text;
 }
 
 }  // namespace

@@ -100,9 +100,7 @@ TEST(Dataset, EveryColumnIsExplained) {
     const TemporaryDirectory parent;
     Dataset(parent / "d").open(SubjectKind::kVirtual, {});
     const auto json = nlohmann::json::parse(read_text(parent / "d/task-needle_beh.json"));
-    for (const std::string_view column : record_columns()) {
-        EXPECT_TRUE(json.contains(column)) << column;
-    }
+    for (const std::string_view column : record_columns()) EXPECT_TRUE(json.contains(column)) << column;
     EXPECT_EQ(json.size(), record_columns().size() + 2);  // TaskName and TaskDescription, nothing stale
 }
 
@@ -153,9 +151,8 @@ TEST(RecordTable, HalfALineIsCutOffAndItsTrialRunAgain) {
         std::filesystem::resize_file(file, cut);
         {
             RecordTable table(file);
-            for (auto i = read_records(file).size(); i < 2; ++i) {
+            for (auto i = read_records(file).size(); i < 2; ++i)
                 table.append(record_of(order[i], static_cast<std::uint32_t>(i + 1)));
-            }
         }
         EXPECT_EQ(read_text(file), whole) << cut;
     }

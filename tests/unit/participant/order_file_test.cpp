@@ -119,9 +119,8 @@ TEST(ProtocolSettingsTest, AsManySubjectsAsThePaperUnlessSaid) {
 }
 
 TEST(ProtocolSettingsTest, AParticipantSessionHasOneDelay) {
-    for (const char* mixed : {"[1, 3]", "[2, 1]", "[]", "[1.5]", "[4]", "[1, 1]", "3"}) {
+    for (const char* mixed : {"[1, 3]", "[2, 1]", "[]", "[1.5]", "[4]", "[1, 1]", "3"})
         EXPECT_THROW(read(std::string("[protocol]\nexperiments = ") + mixed), Error) << mixed;
-    }
 }
 
 TEST(ProtocolSettingsTest, WhoItIsWith) {
@@ -157,9 +156,8 @@ TEST(ProtocolSettingsTest, TheOperatorKnowsItsInstruments) {
 TEST(ProtocolSettingsTest, ParticipantsAreNumbersOnly) {
     EXPECT_EQ(parse_participant("P07"), 7U);
     EXPECT_EQ(parse_participant("sub-123"), 123U);
-    for (const char* wrong : {"", "P", "P0", "P-1", "7", "P7x", "Paul", "p07", "P07 ", "P1000001", "sub-"}) {
+    for (const char* wrong : {"", "P", "P0", "P-1", "7", "P7x", "Paul", "p07", "P07 ", "P1000001", "sub-"})
         EXPECT_FALSE(parse_participant(wrong).has_value()) << wrong;
-    }
     EXPECT_EQ(participant_id(7), "sub-07");
     EXPECT_EQ(participant_id(123), "sub-123");
 }

@@ -255,7 +255,9 @@ TEST_F(ParticipantSessionTest, TheExperimenterRejectsAndExcludes) {
     EXPECT_EQ(marks[0].reason, "sneezed");
     EXPECT_EQ(marks[1].kind, ExclusionKind::kExcluded);
     EXPECT_EQ(marks[1].record, 3U);
-    EXPECT_EQ(read_records(dataset_.records(2))[3].repeat_reason, "sneezed");
+    const DatasetRecord again = read_records(dataset_.records(2))[3];
+    EXPECT_EQ(again.repeat_of, 2U);
+    EXPECT_EQ(again.repeat_reason, "sneezed");
 }
 
 TEST_F(ParticipantSessionTest, TheLastTrialCanBeRejectedToo) {

@@ -90,10 +90,7 @@ class Questions : public testing::Test {
             write_order(dataset_.order(2), plan_order(settings, 2));
             add_participant(dataset_, 2, SubjectKind::kHuman, {});
         }
-        ParticipantSessionOptions options{
-            dataset_, 2, *settings.protocol, nullptr, false, nullptr, [this](const std::string& line) {
-                said_.push_back(line);
-            }};
+        ParticipantSessionOptions options{dataset_, 2, *settings.protocol, nullptr, false, nullptr, say_};
         options.lines = lines;
         options.requests = requests;
         options.pages = &pages_;
@@ -109,6 +106,9 @@ class Questions : public testing::Test {
     PageSet pages_;
     AnsweredTrials trials_;
     std::vector<std::string> said_;
+    const std::function<void(const std::string&)> say_ = [this](const std::string& line) {
+        said_.push_back(line);
+    };
 };
 
 TEST_F(Questions, StandBeforeBetweenAndAfterBlocks) {
@@ -178,13 +178,12 @@ TEST_F(Questions, HearAViewTheInputsEndAndAnEmergencyStop) {
 }
 
 TEST_F(Questions, ConsentHasAVersionAndATime) {
-    const std::function<void(const std::string&)> say = [](const std::string&) {};
     trials_.answers = {3, 2};
-    EXPECT_EQ(ask_consent({trials_, nullptr, nullptr, say}, pages_), Consent::kDeclined);
+    EXPECT_EQ(ask_consent({trials_, nullptr, nullptr, say_}, pages_), Consent::kDeclined);
     trials_.answers = {1};
-    EXPECT_EQ(ask_consent({trials_, nullptr, nullptr, say}, pages_), Consent::kGiven);
+    EXPECT_EQ(ask_consent({trials_, nullptr, nullptr, say_}, pages_), Consent::kGiven);
     WrittenLines lines({"s", "q"});
-    EXPECT_EQ(ask_consent({trials_, &lines, nullptr, say}, pages_), Consent::kStopped);
+    EXPECT_EQ(ask_consent({trials_, &lines, nullptr, say_}, pages_), Consent::kStopped);
     EXPECT_FALSE(has_consented(dataset_, *pages_.consent, 2));
     write_consent(dataset_, *pages_.consent, 2, utc_text(1'764'109'807'000'000'000));
     EXPECT_TRUE(has_consented(dataset_, *pages_.consent, 2));
@@ -196,13 +195,10 @@ TEST_F(Questions, ConsentHasAVersionAndATime) {
 }
 
 TEST_F(Questions, AnEmergencyStopInTheConsentPageIsSaidAtOnce) {
-    const std::function<void(const std::string&)> say = [this](const std::string& line) {
-        said_.push_back(line);
-    };
     trials_.stopped_by = "emergency stop (visual): a key";
     trials_.stop_at = 1;
     WrittenLines lines({"", "release", "what?", "q"});
-    Asker asker{trials_, &lines, nullptr, say};
+    Asker asker{trials_, &lines, nullptr, say_};
     asker.hold = [&] { return await_release(asker, {}); };
     EXPECT_EQ(ask_consent(asker, pages_), Consent::kStopped);
     EXPECT_THAT(said_, ElementsAre(HasSubstr("consent, version v2"),
@@ -215,8 +211,7 @@ TEST_F(Questions, AnEmergencyStopInTheConsentPageIsSaidAtOnce) {
 TEST_F(Questions, CarryTheChecksumOfTheirPageSet) {
     const std::uint32_t ours = pages_.checksum();
     trials_.answers = {1};
-    const std::function<void(const std::string&)> say = [](const std::string&) {};
-    ask_consent({trials_, nullptr, nullptr, say}, pages_);
+    ask_consent({trials_, nullptr, nullptr, say_}, pages_);
     EXPECT_EQ(trials_.shown.trials, ours);
     const auto differs = [&](const std::function<void(PageSet&)>& change) {
         PageSet other = pages_;
@@ -237,8 +232,7 @@ TEST_F(Questions, ChangedQuestionsAreNoticedBeforeAnythingIsWritten) {
     run();
     check_phenotype(dataset_, pages_, 2);
     pages_.questionnaires[1].questions.pop_back();
-    const auto check = [&] { check_phenotype(dataset_, pages_, 2); };
-    EXPECT_THAT(refusal(check, ExitCode::kData),
+    EXPECT_THAT(refusal([&] { check_phenotype(dataset_, pages_, 2); }),
                 HasSubstr("the questions of questionnaire load differ from those in this dataset"));
 }
 
@@ -292,8 +286,8 @@ TEST_F(Questions, CorrectionsLeaveALineAndTheAnalysisHonoursThem) {
     EXPECT_EQ(counted(), 4U);
     exclude_trial(dataset_.folder(), "P02", 3, note);
     EXPECT_EQ(counted(), 3U);
-    const auto twice = [&] { exclude_trial(dataset_.folder(), "P02", 3, note); };
-    EXPECT_THAT(refusal(twice, ExitCode::kUsage), HasSubstr("is excluded already: phone rang"));
+    EXPECT_THAT(refusal([&] { exclude_trial(dataset_.folder(), "P02", 3, note); }, ExitCode::kUsage),
+                HasSubstr("is excluded already: phone rang"));
     include_trial(dataset_.folder(), "P02", 3, {"LS", "wrong trial", "2026-11-25T10:01:00Z"});
     EXPECT_EQ(counted(), 4U);
     correct_person(dataset_.folder(), "P02", "age", "92", note);

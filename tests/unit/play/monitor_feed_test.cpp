@@ -30,11 +30,7 @@ class MonitorFeedTest : public testing::Test {
         return settings;
     }
     static TrialConditions trial() {
-        TrialConditions trial;
-        trial.subject = 3;
-        trial.modality = Modality::kHF;
-        trial.fixture_position_m = 0.12;
-        return trial;
+        return {.subject = 3, .modality = Modality::kHF, .fixture_position_m = 0.12};
     }
     void run_for(Duration time) {
         const SessionTime end = session.loop().now() + time;
@@ -136,17 +132,12 @@ TEST_F(MonitorFeedTest, SaysAtOnceAndAgainThatADeviceHasEndedTheTrial) {
 // Finding a trial in a folder, and what was seen when.
 TrialRecord short_record() {
     TrialRecord record;
-    record.conditions.trial = 2;
-    record.conditions.modality = Modality::kVF;
-    record.conditions.delay_s = 0.05;
-    record.conditions.fixture_position_m = 0.02;
+    record.conditions = {.trial = 2, .modality = Modality::kVF, .delay_s = 0.05, .fixture_position_m = 0.02};
     record.reason = EndReason::kCompleted;
     for (int i = 0; i < 1000; ++i) {
-        TrajectorySample sample;
-        sample.time_s = 0.001 * i;
-        sample.position_needle_m = 0.00005 * i;
-        sample.contact_time_s = i > 500 ? 0.001 * (i - 500) : 0;
-        record.samples.push_back(sample);
+        record.samples.push_back({.time_s = 0.001 * i,
+                                  .position_needle_m = 0.00005 * i,
+                                  .contact_time_s = i > 500 ? 0.001 * (i - 500) : 0});
     }
     record.beep_time_s = 0.7;
     return record;

@@ -28,11 +28,7 @@ class OrderTakerTest : public testing::Test {
   protected:
     // As a view says it: for the trial that it saw.
     void say(OrderKind kind, std::uint32_t seen_trial, std::uint32_t which = 0, double value = 0) {
-        Order order;
-        order.kind = kind;
-        order.trial = which;
-        order.value = value;
-        view.send(now, seen_trial, order);
+        view.send(now, seen_trial, Order{.value = value, .trial = which, .kind = kind});
         taker.tick(now, trial);
     }
     std::uint64_t refused(Refusal refusal) const { return taker.counters().of(refusal); }
@@ -109,11 +105,7 @@ TEST_F(OrderTakerTest, OthersAreNotHeard) {
 // An order in a participant session does what the typed line does.
 class OrderLinesTest : public testing::Test {
   protected:
-    std::optional<Refusal> say(OrderKind kind) {
-        Order order;
-        order.kind = kind;
-        return lines.obey({}, order);
-    }
+    std::optional<Refusal> say(OrderKind kind) { return lines.obey({}, {.kind = kind}); }
     PromptKind next() {
         const auto line = lines.take_line();
         EXPECT_TRUE(line);
@@ -158,12 +150,9 @@ TEST_F(OrderLinesTest, ConditionsAreNotTheExperimentersToChange) {
 
 TEST(QuitHandler, KnowsQuitAlone) {
     QuitHandler handler;
-    Order order;
-    order.kind = OrderKind::kDelay;
-    EXPECT_EQ(handler.obey({}, order), Refusal::kUnexpectedKind);
+    EXPECT_EQ(handler.obey({}, {.kind = OrderKind::kDelay}), Refusal::kUnexpectedKind);
     EXPECT_FALSE(handler.quit());
-    order.kind = OrderKind::kQuit;
-    EXPECT_EQ(handler.obey({}, order), std::nullopt);
+    EXPECT_EQ(handler.obey({}, {.kind = OrderKind::kQuit}), std::nullopt);
     EXPECT_TRUE(handler.quit());
 }
 
@@ -171,11 +160,7 @@ TEST(QuitHandler, KnowsQuitAlone) {
 class PlayHandlerTest : public testing::Test {
   protected:
     std::optional<Refusal> say(OrderKind kind, Modality modality = Modality::kHF, double value = 0) {
-        Order order;
-        order.kind = kind;
-        order.modality = modality;
-        order.value = value;
-        return handler.obey(now, order);
+        return handler.obey(now, {.value = value, .kind = kind, .modality = modality});
     }
     void end_trial(EndReason reason, Modality modality) {
         TrialRecord record;
@@ -186,11 +171,6 @@ class PlayHandlerTest : public testing::Test {
     PlayHandler handler{Modality::kVF};
     SessionTime now = at(seconds{1});
 };
-
-TEST_F(PlayHandlerTest, TheFirstTrialBeginsByItselfOnce) {
-    EXPECT_EQ(handler.take_due(now), Modality::kVF);
-    EXPECT_FALSE(handler.take_due(now));
-}
 
 TEST_F(PlayHandlerTest, ACompletedTrialIsFollowedByAnotherAfterAPause) {
     handler.take_due(now);

@@ -24,12 +24,11 @@ RecordedTrial steady_trial(double delay_s) {
     trial.record.conditions.modality = Modality::kVF;
     trial.record.conditions.delay_s = delay_s;
     for (int i = 0; i <= 10'000; ++i) {
-        TrajectorySample sample;
-        sample.time_s = 0.001 * i;
-        sample.position_needle_m = 0.01 * sample.time_s;
-        sample.position_surface_m = 1;
-        sample.force_total_N = -sample.time_s;
-        trial.record.samples.push_back(sample);
+        const double time_s = 0.001 * i;
+        trial.record.samples.push_back({.time_s = time_s,
+                                        .position_needle_m = 0.01 * time_s,
+                                        .position_surface_m = 1,
+                                        .force_total_N = -time_s});
     }
     trial.record.beep_time_s = 6;
     trial.record.reason = EndReason::kCompleted;
@@ -67,10 +66,7 @@ class ReplayProcessTest : public testing::Test {
             beeps_heard += std::get<Percept>(message->body).beep && !std::exchange(beeping, true);
     }
     void say(OrderKind kind, double value = 0) {
-        Order order;
-        order.kind = kind;
-        order.value = value;
-        view.send(loop.now(), 1, order);
+        view.send(loop.now(), 1, Order{.value = value, .kind = kind});
     }
     double shown_m() const { return display.recent(0).scene.position_needle_m; }
 
@@ -136,10 +132,7 @@ TEST_F(ReplayProcessTest, ADimpleIsDrawnAgainstTheTrialsFirstSampleWhereverItBeg
 TEST_F(ReplayProcessTest, BothViewsHearTheSameAndMaySeek) {
     OutboundFlow player(Role::kExperimenter, 4, {&second_orders.a});
     InboundFlow ears{Role::kSession};
-    Order order;
-    order.kind = OrderKind::kSeek;
-    order.value = 4;
-    player.send(loop.now(), 1, order);
+    player.send(loop.now(), 1, Order{.value = 4, .kind = OrderKind::kSeek});
     say(OrderKind::kSpeed, 0.1);
     run_for(seconds{1});
     EXPECT_NEAR(newest.time_s, 4.1, 0.02);

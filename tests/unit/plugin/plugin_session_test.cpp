@@ -73,10 +73,7 @@ TEST(PluginSession, CtrlCDoesNotReachAPythonController) {
                "class Stopped(Controller):\n    def force(self, newest):\n"
                "        os.kill(os.getpid(), signal.SIGINT)\n        return 0\n"
                "if __name__ == '__main__':\n    serve(Stopped)\n");
-    ControlSettings control;
-    control.compensator = Compensator::kPlugin;
-    control.plugin = load_plugin(folder / "stopped.py");
-    HandleEnd end(control, {});
+    HandleEnd end(control_by(folder / "stopped.py"), {});
     end.start({});
     EXPECT_EQ(end.force_N(), 0);
     EXPECT_EQ(end.force_N(), 0);
@@ -89,10 +86,7 @@ TEST(PluginSession, APythonControllerThatHangsIsEnded) {
                "if sys.argv[1] == '--describe':\n    print('hangs')\n    sys.exit()\n"
                "sys.stdin.buffer.read(112)\nsys.stdout.buffer.write(bytes(8))\nsys.stdout.flush()\n"
                "time.sleep(600)\n");
-    ControlSettings control;
-    control.compensator = Compensator::kPlugin;
-    control.plugin = load_plugin(folder / "hangs.py");
-    { const HandleEnd end(control, {}); }  // comes back
+    { const HandleEnd end(control_by(folder / "hangs.py"), {}); }  // comes back
 }
 
 TEST(PluginSession, OneThatDoesNotComeBackIsEndedAndNamed) {
@@ -214,9 +208,7 @@ TEST(Sandbox, TheSameCommandRunsInsideAndWritesWhereItMay) {
 
 // The example in Python is the one in C, but for the order of rounding.
 TEST(PluginSession, TheExampleInPythonActsAsTheOneInC) {
-    ControlSettings control;
-    control.compensator = Compensator::kPlugin;
-    control.plugin = load_plugin(std::filesystem::path(THIMBLE_SOURCE_DIR) / "examples/controller/mine.py");
+    const ControlSettings control = control_by(THIMBLE_SOURCE_DIR "/examples/controller/mine.py");
     EXPECT_EQ(control.plugin.values, control_of("mine").plugin.values);
     const TrialRecord record = trial_with(control);
     EXPECT_EQ(record.fault, "");

@@ -69,7 +69,6 @@ TEST(Plugin, OneThatRefusesItsSettingsIsAnErrorOfTheSession) {
     EXPECT_THAT(refusal([] { HandleEnd(bad(Fault::kRefuse), {}); }, ExitCode::kUsage), HasSubstr("create()"));
 }
 
-// Any one thing that a table lacks or says wrongly is found before it is used.
 TEST(Plugin, ATableThatBreaksARuleIsRefused) {
     const thimble_controller good = wave_controller();
     ASSERT_EQ(wrong_table(good), "");
@@ -112,7 +111,6 @@ TEST(Plugin, AKeyWithoutAnOrderedRangeIsRefused) {
     EXPECT_THAT(wrong_table(table), HasSubstr("twice"));
 }
 
-// Values that are no numbers are replaced and counted.
 TEST(Plugin, AForceThatIsNoNumberIsNone) {
     HandleEnd end(bad(Fault::kNotANumber), {});
     end.start({});

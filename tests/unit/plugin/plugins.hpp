@@ -36,12 +36,14 @@ inline std::filesystem::path plugin_file(const std::string& name) {
     return std::filesystem::path(THIMBLE_PLUGINS) / (name + ".so");
 }
 
-inline ControlSettings control_of(const std::string& name) {
+inline ControlSettings control_by(const std::filesystem::path& file) {
     ControlSettings control;
     control.compensator = Compensator::kPlugin;
-    control.plugin = load_plugin(plugin_file(name));
+    control.plugin = load_plugin(file);
     return control;
 }
+
+inline ControlSettings control_of(const std::string& name) { return control_by(plugin_file(name)); }
 
 inline ControlSettings bad(Fault fault) {
     ControlSettings control = control_of("bad");

@@ -48,14 +48,20 @@ std::vector<NeedleCommand> any_motion() {
 
 SessionTime time_of(std::size_t sample) { return SessionTime{milliseconds(1000 + sample)}; }
 
-TEST(NeedleGate, SendsEverySampleWithoutACodec) {
-    NeedleGate gate(with(HapticCodec::kNone));
-    for (std::size_t i = 0; i < 5; ++i) EXPECT_TRUE(gate.due(time_of(i), {}));
+// `fill` hears of a command that was sent at `stamp`.
+bool heard_by(NeedleFill& fill, SessionTime now, SessionTime stamp, std::uint64_t instance = 0) {
+    Header header;
+    header.send_time = stamp;
+    header.instance = instance;
+    return fill.heard(now, header, {});
 }
 
-TEST(NeedleGate, SendsEveryNth) {
-    NeedleGate gate(with(HapticCodec::kEveryNth));
-    for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(gate.due(time_of(i), {}), i % 10 == 0) << i;
+TEST(NeedleGate, SendsEverySampleWithoutACodecAndEveryNth) {
+    NeedleGate plain(with(HapticCodec::kNone)), every_nth(with(HapticCodec::kEveryNth));
+    for (std::size_t i = 0; i < 100; ++i) {
+        EXPECT_TRUE(plain.due(time_of(i), {})) << i;
+        EXPECT_EQ(every_nth.due(time_of(i), {}), i % 10 == 0) << i;
+    }
 }
 
 TEST(NeedleGate, SendsAtOnceWhenTheVelocityLeavesItsDeadband) {
@@ -119,10 +125,8 @@ RC_GTEST_PROP(NeedleFill, StampsGrowAndStayNearTheNewestPacket, ()) {
     for (std::size_t i = 0; i < 400; ++i) {
         const SessionTime now = time_of(i);
         if (*rc::gen::inRange(0, 10) == 0) {
-            Header header;
             newest = std::max(newest, now - milliseconds(*rc::gen::inRange(0, 80)));
-            header.send_time = newest;
-            if (fill.heard(now, header, {})) {
+            if (heard_by(fill, now, newest)) {
                 RC_ASSERT(newest > last);
                 last = newest;
             }
@@ -147,27 +151,21 @@ RC_GTEST_PROP(NeedleFill, DoesNotPushInwardsAgainstAForceByItself, ()) {
 
 TEST(NeedleFill, EndsAtTheRefreshBoundAndGoesOnWithTheNextPacket) {
     NeedleFill fill(with(HapticCodec::kDeadbandLinear), kPeriod);
-    Header header;
-    header.send_time = time_of(0);
-    EXPECT_TRUE(fill.heard(time_of(0), header, {}));
+    EXPECT_TRUE(heard_by(fill, time_of(0), time_of(0)));
     int samples = 0;
     for (std::size_t i = 1; i < 100; ++i) samples += fill.take(time_of(i)) != nullptr ? 1 : 0;
     EXPECT_EQ(samples, 30);
     EXPECT_EQ(fill.next(), kNever);
-    header.send_time = time_of(90);
-    EXPECT_TRUE(fill.heard(time_of(100), header, {}));
+    EXPECT_TRUE(heard_by(fill, time_of(100), time_of(90)));
     EXPECT_LT(fill.next(), time_of(102));
 }
 
 // A packet that is late, with a stamp a little beyond the sample that stood for it: the needle waits for its next sample.
 TEST(NeedleFill, ALatePacketWhoseStampJittersIsNotAnsweredTwice) {
     NeedleFill fill(with(HapticCodec::kDeadbandLinear), kPeriod);
-    Header header;
-    header.send_time = time_of(0);
-    EXPECT_TRUE(fill.heard(time_of(0), header, {}));
+    EXPECT_TRUE(heard_by(fill, time_of(0), time_of(0)));
     ASSERT_NE(fill.take(time_of(1) + kPeriod / 2), nullptr);
-    header.send_time = time_of(1) + std::chrono::microseconds(20);
-    EXPECT_FALSE(fill.heard(time_of(1) + kPeriod * 6 / 10, header, {}));
+    EXPECT_FALSE(heard_by(fill, time_of(1) + kPeriod * 6 / 10, time_of(1) + std::chrono::microseconds(20)));
     const auto* next = fill.take(time_of(2) + kPeriod / 2);
     ASSERT_NE(next, nullptr);
     EXPECT_EQ(next->stamp, time_of(2));
@@ -175,13 +173,9 @@ TEST(NeedleFill, ALatePacketWhoseStampJittersIsNotAnsweredTwice) {
 
 TEST(NeedleFill, AnotherMasterHasAnotherClock) {
     NeedleFill fill(with(HapticCodec::kDeadband), kPeriod);
-    Header header;
-    header.send_time = time_of(5000);
-    EXPECT_TRUE(fill.heard(time_of(0), header, {}));
-    header.send_time = time_of(0);
-    EXPECT_FALSE(fill.heard(time_of(1), header, {}));
-    header.instance = 1;
-    EXPECT_TRUE(fill.heard(time_of(2), header, {}));
+    EXPECT_TRUE(heard_by(fill, time_of(0), time_of(5000)));
+    EXPECT_FALSE(heard_by(fill, time_of(1), time_of(0)));
+    EXPECT_TRUE(heard_by(fill, time_of(2), time_of(0), 1));
 }
 
 }  // namespace

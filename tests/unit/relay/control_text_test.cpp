@@ -58,10 +58,9 @@ TEST(Assign, KeepsWhatIsNotNamed) {
 }
 
 TEST(Assign, TakesABareWordAsText) {
-    EXPECT_EQ(assign(fifty(), {"jitter=uniform", "jitter_spread_s=0.005"}).up.jitter.shape,
-              JitterShape::kUniform);
-    EXPECT_EQ(assign(fifty(), {"jitter=\"uniform\"", "jitter_spread_s=0.005"}).up.jitter.shape,
-              JitterShape::kUniform);
+    for (const char* jitter : {"jitter=uniform", "jitter=\"uniform\""})
+        EXPECT_EQ(assign(fifty(), {jitter, "jitter_spread_s=0.005"}).up.jitter.shape, JitterShape::kUniform)
+            << jitter;
     EXPECT_FALSE(assign(fifty(), {"in_order=false"}).up.in_order);
 }
 

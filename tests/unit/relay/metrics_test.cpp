@@ -73,7 +73,6 @@ TEST(MetricsText, PleasesPromtool) {
         << read_text(folder / "said");
 }
 
-// The relay has every metric that the dashboard asks for.
 TEST(Dashboard, AsksForMetricsThatExist) {
     const std::string text =
                           read_text(std::string(THIMBLE_SOURCE_DIR) + "/deploy/grafana/thimble-netem.json"),

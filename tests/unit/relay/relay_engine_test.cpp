@@ -37,11 +37,21 @@ class Bench : public testing::Test {
     }
     void start() { engine_ = std::make_unique<RelayEngine>(settings_, &records_); }
     UdpSocket client() { return UdpSocket::connected(engine_->inlet_address(0)); }
+    UdpSocket start_with_client() {
+        start();
+        return client();
+    }
 
     static void say(const UdpSocket& socket, const std::string& words, const UdpAddress* to = nullptr) {
         SendBatch batch;
         batch.add({reinterpret_cast<const std::uint8_t*>(words.data()), words.size()}, to);
         ASSERT_TRUE(batch.send(socket.descriptor())[0]);
+    }
+    // Takes in so many, and waits until all are due at once.
+    void take_in(std::uint64_t packets) {
+        while (engine_->totals(wall_now())[RelayDirection::kUp].packets.pushed < packets)
+            engine_->step(wall_now() + milliseconds{1});
+        wall_sleep(settings_.links.up.delay + milliseconds{10});
     }
     // Lets the relay work until `socket` has heard so many, or patience ends.
     std::vector<Heard> hear(const UdpSocket& socket, std::size_t count, Duration patience = seconds{10}) {
@@ -65,8 +75,7 @@ class Bench : public testing::Test {
 };
 
 TEST_F(Bench, GivesEachClientAWayAndItsOwnWayBack) {
-    start();
-    const UdpSocket a = client(), b = client();
+    const UdpSocket a = start_with_client(), b = client();
     say(a, "from a");
     say(b, "from b");
     const auto heard = hear(server_, 2);
@@ -81,8 +90,7 @@ TEST_F(Bench, GivesEachClientAWayAndItsOwnWayBack) {
 TEST_F(Bench, DelaysEachDirectionByItself) {
     settings_.links.up.delay = milliseconds{30};
     settings_.links.down.delay = milliseconds{5};
-    start();
-    const UdpSocket a = client();
+    const UdpSocket a = start_with_client();
     const SessionTime begin = wall_now();
     say(a, "x");
     const auto heard = hear(server_, 1);
@@ -112,8 +120,7 @@ TEST_F(Bench, SlotsBeginWithTheirClient) {
 // The log holds the arrival time of a packet that head drop removes.
 TEST_F(Bench, LogsWhenADroppedPacketCame) {
     settings_.links.up.rate = {.bits_per_s = 40, .queue_packets = 1, .drop = Drop::kHead};
-    start();
-    const UdpSocket a = client();
+    const UdpSocket a = start_with_client();
     for (const char* word : {"0", "1", "2"}) say(a, word);
     ASSERT_EQ(hear(server_, 2).size(), 2U);
     ASSERT_EQ(records_.all.size(), 3U);
@@ -128,8 +135,7 @@ TEST_F(Bench, NothingLeavesEarlyAlsoWhenItSpins) {
     settings_.precise = true;
     settings_.links.up.delay = milliseconds{2};
     settings_.links.up.jitter = {JitterShape::kUniform, milliseconds{2}};
-    start();
-    const UdpSocket a = client();
+    const UdpSocket a = start_with_client();
     for (int i = 0; i < 200; ++i) {
         say(a, "x");
         engine_->step(wall_now());
@@ -145,20 +151,16 @@ TEST_F(Bench, NothingLeavesEarlyAlsoWhenItSpins) {
 TEST_F(Bench, KeepsTheOrder) {
     settings_.links.up.delay = milliseconds{10};
     settings_.links.up.jitter = {JitterShape::kUniform, milliseconds{10}};
-    start();
-    const UdpSocket a = client();
-    std::string sent, got;
-    for (char c = 'a'; c <= 'z'; ++c) {
-        say(a, std::string(1, c));
-        sent += c;
-    }
+    const UdpSocket a = start_with_client();
+    const std::string sent = "abcdefghijklmnopqrstuvwxyz";
+    for (const char c : sent) say(a, std::string(1, c));
+    std::string got;
     for (const Heard& h : hear(server_, 26)) got += h.words;
     EXPECT_EQ(got, sent);
 }
 
 TEST_F(Bench, CarriesTheLongestDatagram) {
-    start();
-    const UdpSocket a = client();
+    const UdpSocket a = start_with_client();
     const std::string longest(kLargestDatagramBytes, 'w');
     say(a, longest);
     EXPECT_EQ(hear(server_, 1).at(0).words, longest);
@@ -167,8 +169,7 @@ TEST_F(Bench, CarriesTheLongestDatagram) {
 TEST_F(Bench, LosesWhatItsSeedSays) {
     settings_.links.up.loss = LossSettings::independent(0.5);
     settings_.seed = 7;
-    start();
-    const UdpSocket a = client();
+    const UdpSocket a = start_with_client();
     for (int i = 0; i < 100; ++i) say(a, "x");
     hear(server_, 100, milliseconds{200});
     LinkModel model(settings_.links.up, flow_key(7, 0, 0), kRelayUp);
@@ -184,8 +185,7 @@ TEST_F(Bench, LosesWhatItsSeedSays) {
 TEST_F(Bench, ForgetsTheSilentAndTakesOthersInstead) {
     settings_.most_flows = 1;
     settings_.idle = milliseconds{100};
-    start();
-    const UdpSocket a = client(), b = client();
+    const UdpSocket a = start_with_client(), b = client();
     say(a, "a");
     ASSERT_EQ(hear(server_, 1).size(), 1U);
     say(b, "b");
@@ -202,15 +202,13 @@ TEST_F(Bench, ForgetsTheSilentAndTakesOthersInstead) {
 TEST_F(Bench, DoesNotForgetWhoHasPacketsInFlight) {
     settings_.idle = milliseconds{50};
     settings_.links.up.delay = milliseconds{600};
-    start();
-    const UdpSocket a = client();
+    const UdpSocket a = start_with_client();
     say(a, "a");
     EXPECT_EQ(hear(server_, 1).size(), 1U);
 }
 
 TEST_F(Bench, ChangesLinksWhileItRuns) {
-    start();
-    const UdpSocket a = client();
+    const UdpSocket a = start_with_client();
     say(a, "first");
     ASSERT_EQ(hear(server_, 1).size(), 1U);
     LinkPair links;
@@ -227,8 +225,7 @@ TEST_F(Bench, CarriesDscpAndEcn) {
     settings_.links.up.loss = LossSettings::independent(1);
     settings_.links.up.ecn = true;
     server_.tell_traffic_class();
-    start();
-    const UdpSocket a = client();
+    const UdpSocket a = start_with_client();
     SendBatch batch;
     const std::uint8_t byte = 7;
     batch.add({&byte, 1}, nullptr, 0xba);
@@ -266,8 +263,7 @@ TEST_F(Bench, CountsAnswersThatAPortIsClosed) {
         const UdpSocket gone = UdpSocket::listening(loopback());
         settings_.inlets = {{loopback(), gone.local()}};
     }
-    start();
-    const UdpSocket a = client();
+    const UdpSocket a = start_with_client();
     say(a, "x");
     hear(a, 1, milliseconds{50});
     EXPECT_EQ(engine_->totals(wall_now()).closed_ports, std::vector<std::uint64_t>{1});
@@ -278,12 +274,9 @@ TEST_F(Bench, JoinsNothingAtALowRate) {
     settings_.links.up.delay = milliseconds{20};
     const int on = 1;
     ASSERT_EQ(setsockopt(server_.descriptor(), SOL_UDP, UDP_GRO, &on, sizeof on), 0);
-    start();
-    const UdpSocket a = client();
+    const UdpSocket a = start_with_client();
     for (int i = 0; i < 40; ++i) say(a, "x");
-    while (engine_->totals(wall_now())[RelayDirection::kUp].packets.pushed < 40)
-        engine_->step(wall_now() + milliseconds{1});
-    wall_sleep(milliseconds{30});  // now all are due at once
+    take_in(40);
     const std::vector<Heard> all = hear(server_, 40);
     EXPECT_EQ(all.size(), 40U);
     for (const Heard& heard : all) EXPECT_EQ(heard.words, "x");
@@ -293,8 +286,7 @@ TEST_F(Bench, HasSeveralInlets) {
     const UdpSocket other = UdpSocket::listening(loopback());
     settings_.inlets.push_back({loopback(), other.local()});
     start();
-    const UdpSocket a = UdpSocket::connected(engine_->inlet_address(0));
-    const UdpSocket b = UdpSocket::connected(engine_->inlet_address(1));
+    const UdpSocket a = client(), b = UdpSocket::connected(engine_->inlet_address(1));
     say(a, "one");
     say(b, "two");
     EXPECT_EQ(hear(server_, 1).at(0).words, "one");
@@ -304,13 +296,10 @@ TEST_F(Bench, HasSeveralInlets) {
 // Two packets of the modest flow wait no longer than a turn of the greedy one.
 TEST_F(Bench, LetsNoFlowWaitForAGreedyOne) {
     settings_.links.up.delay = milliseconds{50};
-    start();
-    const UdpSocket greedy = client(), modest = client();
+    const UdpSocket greedy = start_with_client(), modest = client();
     for (int i = 0; i < 500; ++i) say(greedy, "g");
     say(modest, "m");
-    while (engine_->totals(wall_now())[RelayDirection::kUp].packets.pushed < 501)
-        engine_->step(wall_now() + milliseconds{1});
-    wall_sleep(milliseconds{60});  // now all are due at once
+    take_in(501);
     const std::size_t before = records_.all.size();
     hear(server_, 501);
     std::size_t place = before;

@@ -59,8 +59,7 @@ TEST(Twin, FollowsATransmitterToItsEnd) {
 
 TEST(Comparison, FindsAnHonestLinkInnocent) {
     const auto times = kilohertz(4000);
-    const TwinOutcome achieved = replay(jittery(), times, 104);
-    const Comparison c = compare(jittery(), times, 104, achieved.delays_s);
+    const Comparison c = compare(jittery(), times, 104, replay(jittery(), times, 104).delays_s);
     EXPECT_TRUE(c.spread);
     EXPECT_LT(c.distance_ratio(), 1.5);
     EXPECT_NEAR(c.dropped_mean, 200, 15);  // 5 %
@@ -77,8 +76,7 @@ TEST(Comparison, KnowsAConstantDelay) {
     TwinLink link = jittery();
     link.settings.jitter = {};
     link.settings.loss = {};
-    const auto times = kilohertz(500);
-    const Comparison c = compare(link, times, 104, std::vector<double>(500, 0.05004));
+    const Comparison c = compare(link, kilohertz(500), 104, std::vector<double>(500, 0.05004));
     EXPECT_FALSE(c.spread);
     EXPECT_EQ(c.dropped_mean, 0);
 }

@@ -3,9 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <netinet/in.h>
 #include <string>
-#include <sys/socket.h>
 #include <unistd.h>
 #include <vector>
 
@@ -14,6 +12,7 @@
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/security/lab_key_file.hpp"
+#include "tests/unit/common/packet.hpp"
 #include "tests/unit/security/security_rig.hpp"
 
 namespace thimble {
@@ -24,13 +23,6 @@ constexpr const char* kSessionHost = "127.0.0.1";
 constexpr const char* kViewHost = "127.0.0.2";
 constexpr const char* kOtherHost = "127.0.0.3";
 constexpr SecurePair::Ends kViewEnds{Port::kExperimenterMonitor, Port::kSessionOrders};
-
-std::uint16_t port_of(const UdpChannel& channel) {
-    sockaddr_in address{};
-    socklen_t length = sizeof address;
-    getsockname(channel.file_descriptor(), static_cast<sockaddr*>(static_cast<void*>(&address)), &length);
-    return ntohs(address.sin_port);
-}
 
 // The view's socket, which another one replaces.
 class MovableWire final : public Channel {

@@ -44,7 +44,9 @@ void expect_usage(const What& what, const std::string& words) {
     EXPECT_THAT(refusal(what, ExitCode::kUsage), testing::HasSubstr(words));
 }
 
-constexpr const char* kElsewhere = "[network]\nhost_slave_sim = '192.0.2.1'\n";
+const std::string kElsewhere = "[network]\nhost_slave_sim = '192.0.2.1'\n";
+const std::string kOpen = "[security]\nmode = 'none'\nallow_unprotected_network = true\n";
+const std::string kWithLabKey = "[security]\nmode = 'lab-key'\n";
 
 TEST(Protection, NeedsALabKeyBetweenMachines) {
     EXPECT_NO_THROW(require_protection(network("")));
@@ -57,15 +59,13 @@ TEST(Protection, NeedsALabKeyBetweenMachines) {
 }
 
 TEST(Protection, IsDoneWithoutWhenThatIsSaidTwice) {
-    const std::string elsewhere = kElsewhere;
-    expect_usage([&] { require_protection(network(elsewhere + "[security]\nmode = 'none'\n")); },
+    expect_usage([] { require_protection(network(kElsewhere + "[security]\nmode = 'none'\n")); },
                  "mode = \"lab-key\"");
     expect_usage(
-        [&] { require_protection(network(elsewhere + "[security]\nallow_unprotected_network = true\n")); },
+        [] { require_protection(network(kElsewhere + "[security]\nallow_unprotected_network = true\n")); },
         "allow_unprotected_network = true");
-    EXPECT_NO_THROW(require_protection(
-        network(elsewhere + "[security]\nmode = 'none'\nallow_unprotected_network = true\n")));
-    EXPECT_NO_THROW(require_protection(network(elsewhere + "[security]\nmode = 'lab-key'\n")));
+    EXPECT_NO_THROW(require_protection(network(kElsewhere + kOpen)));
+    EXPECT_NO_THROW(require_protection(network(kElsewhere + kWithLabKey)));
 }
 
 std::string warning_of(const std::string& text) {
@@ -82,18 +82,15 @@ TEST(Protection, IsMissedAloudWhereverItIsSwitchedOff) {
     EXPECT_EQ(warning_of(""), "");
     EXPECT_EQ(warning_of("[network]\nhost_slave_sim = '127.0.0.2'\n"), "");
     EXPECT_THAT(warning_of("[security]\nmode = 'none'\n"), HasSubstr("anybody on this machine can move"));
-    EXPECT_EQ(warning_of(std::string(kElsewhere) + "[security]\nmode = 'lab-key'\n"), "");
-    const std::string open = "[security]\nmode = 'none'\nallow_unprotected_network = true\n";
-    EXPECT_THAT(warning_of(kElsewhere + open), HasSubstr("not protected"));
-    EXPECT_THAT(warning_of("[network]\nhost_slave_sim = '0.0.0.0'\n" + open), HasSubstr("thimble keygen"));
+    EXPECT_EQ(warning_of(kElsewhere + kWithLabKey), "");
+    EXPECT_THAT(warning_of(kElsewhere + kOpen), HasSubstr("not protected"));
+    EXPECT_THAT(warning_of("[network]\nhost_slave_sim = '0.0.0.0'\n" + kOpen), HasSubstr("thimble keygen"));
 }
 
 TEST(Protection, ARealHandleTakesNoForceFromAnOpenNetwork) {
-    const std::string open = "[security]\nmode = 'none'\nallow_unprotected_network = true\n";
-    expect_usage([&] { require_protection_of_handle(network(kElsewhere + open)); }, "192.0.2.1");
-    EXPECT_NO_THROW(require_protection_of_handle(network(open)));
-    EXPECT_NO_THROW(
-        require_protection_of_handle(network(std::string(kElsewhere) + "[security]\nmode = 'lab-key'\n")));
+    expect_usage([] { require_protection_of_handle(network(kElsewhere + kOpen)); }, "192.0.2.1");
+    EXPECT_NO_THROW(require_protection_of_handle(network(kOpen)));
+    EXPECT_NO_THROW(require_protection_of_handle(network(kElsewhere + kWithLabKey)));
 }
 
 TEST(Protection, TwoRigsAreTwoNames) {

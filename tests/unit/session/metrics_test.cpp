@@ -267,11 +267,9 @@ TEST(MeanTrajectory, TrialsWithoutBeepOrWithoutTheirBeginningAreCountedApart) {
 }
 
 TEST(MeanTrajectory, PointsOutsideTheTrialAreNotInvented) {
-    const MeanCurve curve = [] {
-        MeanTrajectory mean;
-        mean.add(ramp(1, 3, 8, 0.12));  // 3 s before contact, 7 s after it
-        return mean.curve();
-    }();
+    MeanTrajectory mean;
+    mean.add(ramp(1, 3, 8, 0.12));  // 3 s before contact, 7 s after it
+    const MeanCurve curve = mean.curve();
     const auto n_at = [&](double time_s) {
         return curve.mean.needle[static_cast<std::size_t>(std::lround((time_s - curve.grid.begin) / 0.025))]
             .n;

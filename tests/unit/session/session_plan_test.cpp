@@ -1,6 +1,4 @@
 // Delays, modalities and numbers of trials: the same meaning for all commands, or a refusal that names the keys.
-#include <fstream>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,16 +23,11 @@ std::string session_refusal(const std::string& text) {
     return refusal([&text] { settings_of(text); }, ExitCode::kUsage);
 }
 
-std::filesystem::path scratch() {
-    const auto folder = std::filesystem::path(testing::TempDir()) / "session_plan_test";
-    std::filesystem::create_directories(folder);
-    return folder;
-}
-
 // For a report's provenance.
 TEST(AllParameters, AreTheFilesAndTheDefaultsOfTheRest) {
-    const auto file = scratch() / "all.toml";
-    std::ofstream(file) << "[operator]\ncriterion_N = 3.5\n[session]\nmodalities = ['HF', 'VF']\n";
+    const TemporaryDirectory folder;
+    const auto file = folder / "all.toml";
+    write_text(file, "[operator]\ncriterion_N = 3.5\n[session]\nmodalities = ['HF', 'VF']\n");
     const std::string text = "\n" + all_parameters(file);
     for (const char* line :
          {"operator.criterion_N = 3.5", "session.modalities = [ 'HF', 'VF' ]", "session.seed = 1",
@@ -56,11 +49,13 @@ TEST(SystemSettings, TheWindowOfTheGuardAloneIsForARealHandle) {
 
 // Keys of several types, lists of tables, and every session that comes with the program.
 TEST(AllParameters, AreListedOfAnyFileThatIsRead) {
-    const auto file = scratch() / "rich.toml";
-    std::ofstream(file) << "[session]\nsubject = 3\ndelays_s = ['50ms']\n[netem.needle]\nloss = 0.01\n"
-                           "[[netem.needle.outage]]\nstart_s = 1\nlength_s = 0.1\n"
-                           "[netem.force.loss]\nmodel = 'gilbert'\ngood_to_bad = 0.1\nbad_to_good = 0.5\n"
-                           "[[netem.force.timeline]]\nat_s = 2\nloss = 0.1\n";
+    const TemporaryDirectory folder;
+    const auto file = folder / "rich.toml";
+    write_text(file,
+               "[session]\nsubject = 3\ndelays_s = ['50ms']\n[netem.needle]\nloss = 0.01\n"
+               "[[netem.needle.outage]]\nstart_s = 1\nlength_s = 0.1\n"
+               "[netem.force.loss]\nmodel = 'gilbert'\ngood_to_bad = 0.1\nbad_to_good = 0.5\n"
+               "[[netem.force.timeline]]\nat_s = 2\nloss = 0.1\n");
     load_system_settings(file);
     EXPECT_THAT(all_parameters(file), AllOf(HasSubstr("netem.needle.loss = 0.01\n"),
                                             HasSubstr("netem.force.loss.good_to_bad = 0.1\n"),
@@ -109,10 +104,10 @@ TEST(SessionPlan, AContradictionNamesBothKeysAndBothValues) {
 
 // The trace is beside the file, so there has to be one.
 TEST(SessionPlan, ATraceOfDelaysAllowsNoOther) {
-    const auto folder = scratch();
-    std::ofstream(folder / "path.csv") << "time_s,delay_s\n0,0.01\n5,0.02\n";
+    const TemporaryDirectory folder;
+    write_text(folder / "path.csv", "time_s,delay_s\n0,0.01\n5,0.02\n");
     const auto read = [&folder](const std::string& text) {
-        std::ofstream(folder / "session.toml") << text;
+        write_text(folder / "session.toml", text);
         return load_system_settings(folder / "session.toml");
     };
     const std::string trace = "[netem.force]\ntrace = 'path.csv'\n";
@@ -164,24 +159,22 @@ TEST(SessionPlan, ThePapersSessionsAreThePapersExperiments) {
 }
 
 TEST(SessionFiles, AFileComesBeforeANameAndAnUnknownNameListsThem) {
-    const auto copy = scratch() / "paper-experiment-3.toml";
-    std::filesystem::copy_file(find_session_file("paper-experiment-3"), copy,
-                               std::filesystem::copy_options::overwrite_existing);
+    const TemporaryDirectory folder;
+    const auto copy = folder / "paper-experiment-3.toml";
+    const std::string text = read_text(find_session_file("paper-experiment-3"));
+    write_text(copy, text);
     EXPECT_EQ(find_session_file(copy.string()), copy);
     EXPECT_TRUE(is_paper_session(copy)) << "what it says counts, not where it lies";
     const auto with = [&](const std::string& more) {
-        std::filesystem::remove(copy);
-        write_text(copy, read_text(find_session_file("paper-experiment-3")) + more);
+        write_text(copy, text + more);
         return is_paper_session(copy);
     };
     EXPECT_TRUE(with("# a comment\n"));
     EXPECT_FALSE(with("[fixture]\nstiffness_N_per_m = 600\n"));
     EXPECT_FALSE(with("practice_trials = 4\n"));
     const auto changed = [&](const std::string& key, const std::string& value) {
-        std::string text = read_text(find_session_file("paper-experiment-3"));
         const auto at = text.find("\n" + key + " = ") + 1;
-        text.replace(at, text.find('\n', at) - at, key + " = " + value);
-        write_text(copy, text);
+        write_text(copy, std::string(text).replace(at, text.find('\n', at) - at, key + " = " + value));
         return is_paper_session(copy);
     };
     EXPECT_TRUE(changed("order", "\"williams\""));
@@ -191,14 +184,9 @@ TEST(SessionFiles, AFileComesBeforeANameAndAnUnknownNameListsThem) {
     EXPECT_FALSE(changed("trials_per_modality", "3"));
     EXPECT_EQ(shipped_name(find_session_file("delay50")), "delay50");
     EXPECT_FALSE(is_paper_session(find_session_file("delay50")));
-    try {
-        find_session_file("paper-experiment-4");
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        EXPECT_THAT(error.what(), AllOf(HasSubstr("paper-experiment-4"), HasSubstr("paper-experiment-3"),
-                                        HasSubstr("delay50")));
-    }
+    EXPECT_THAT(
+        refusal([] { find_session_file("paper-experiment-4"); }, ExitCode::kUsage),
+        AllOf(HasSubstr("paper-experiment-4"), HasSubstr("paper-experiment-3"), HasSubstr("delay50")));
     EXPECT_THROW(find_session_file("../sessions/delay50"), Error);
     EXPECT_THROW(find_session_file(""), Error);
 }

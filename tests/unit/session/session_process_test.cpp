@@ -78,7 +78,6 @@ TEST_F(SessionProcessTest, ALostPeerIsNotWaitedFor) {
     EXPECT_EQ(slave_.state, NodeState::kRunning);
 }
 
-// The other nodes must still acknowledge.
 TEST_F(SessionProcessTest, WhoeverIsNotTheLostOneIsWaitedFor) {
     reach_running();
     records_ = slave_.obeys = visual_.obeys = false;

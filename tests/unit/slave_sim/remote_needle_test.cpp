@@ -22,6 +22,11 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 class PlayedNeedle final : public RemoteNeedle {
   public:
     explicit PlayedNeedle(const RobotLimits& limits = {}) : RemoteNeedle(limits) {}
+    // In a trial, led to this place for so long.
+    PlayedNeedle(std::chrono::milliseconds time, double command_m) : PlayedNeedle() {
+        start_trial(now);
+        tick_for(time, command_m);
+    }
     std::string awaits() override { return {}; }
     std::string name() const override { return "played"; }
 
@@ -102,9 +107,7 @@ TEST(RemoteNeedle, StaysInItsWorkspaceAndPassesOnSoMuchForce) {
 
 TEST(RemoteNeedle, SilenceOfEitherInputTakesForceThenTheTrial) {
     for (const bool place : {true, false}) {
-        PlayedNeedle needle;
-        needle.start_trial(needle.now);
-        needle.tick_for(std::chrono::milliseconds{50}, 0.001);
+        PlayedNeedle needle(std::chrono::milliseconds{50}, 0.001);
         (place ? needle.sends_position : needle.sends_force) = false;
         needle.tick_for(RemoteInput::kStaleAfter, 0.002);
         EXPECT_TRUE(needle.is_felt());
@@ -129,9 +132,7 @@ TEST(RemoteNeedle, SilenceOfEitherInputTakesForceThenTheTrial) {
 
 // It may have moved meanwhile, and the hand as well.
 TEST(RemoteNeedle, ComesBackFromASilenceByARampFromWhereItIs) {
-    PlayedNeedle needle;
-    needle.start_trial(needle.now);
-    needle.tick_for(std::chrono::milliseconds{100}, 0.004);
+    PlayedNeedle needle(std::chrono::milliseconds{100}, 0.004);
     needle.sends_position = false;
     needle.tick_for(std::chrono::milliseconds{100}, 0.02);
     needle.sends_position = true;
@@ -143,9 +144,7 @@ TEST(RemoteNeedle, ComesBackFromASilenceByARampFromWhereItIs) {
 }
 
 TEST(RemoteNeedle, LostInAMotionAndStoppedItIsHeldWhereItIsFound) {
-    PlayedNeedle needle;
-    needle.start_trial(needle.now);
-    needle.tick_for(std::chrono::milliseconds{100}, 0.02);
+    PlayedNeedle needle(std::chrono::milliseconds{100}, 0.02);
     needle.obeys = needle.sends_position = false;
     needle.tick_for(std::chrono::milliseconds{30}, 0.02);
     needle.end_trial(needle.now);
@@ -159,9 +158,7 @@ TEST(RemoteNeedle, LostInAMotionAndStoppedItIsHeldWhereItIsFound) {
 }
 
 TEST(RemoteNeedle, RefusesAndCountsWhatNoRobotSends) {
-    PlayedNeedle needle;
-    needle.start_trial(needle.now);
-    needle.tick_for(std::chrono::milliseconds{50}, 0.001);
+    PlayedNeedle needle(std::chrono::milliseconds{50}, 0.001);
     needle.obeys = false;
     for (const double nonsense : {kNaN, std::numeric_limits<double>::infinity(), 7.0, 0.5}) {
         needle.at_m = nonsense;
@@ -177,9 +174,7 @@ TEST(RemoteNeedle, RefusesAndCountsWhatNoRobotSends) {
 }
 
 TEST(RemoteNeedle, ASecondSenderEndsTheTrial) {
-    PlayedNeedle needle;
-    needle.start_trial(needle.now);
-    needle.tick_for(std::chrono::milliseconds{50}, 0.001);
+    PlayedNeedle needle(std::chrono::milliseconds{50}, 0.001);
     needle.writer = 2;
     needle.tick(0.001);
     EXPECT_THAT(std::string(needle.fault()), HasSubstr("a second program sends beside the robot's place"));
@@ -188,9 +183,7 @@ TEST(RemoteNeedle, ASecondSenderEndsTheTrial) {
 }
 
 TEST(RemoteNeedle, HoldsWhereItIsSaysSoForAWhileAndFallsSilent) {
-    PlayedNeedle needle;
-    needle.start_trial(needle.now);
-    needle.tick_for(std::chrono::milliseconds{300}, 0.01);
+    PlayedNeedle needle(std::chrono::milliseconds{300}, 0.01);
     needle.obeys = false;
     needle.at_m = 0.009;  // it lags, as tissue resists
     needle.tick(0.01);

@@ -20,7 +20,7 @@ constexpr double kGolden = 1e-12;
 
 DelayedLoop loop_of(const nlohmann::json& c) { return {hand_of(c), figure(c, "K"), 0}; }
 
-TEST(DelayedLoop, CriticalDelaysAndFrequencies) {
+TEST(DelayedLoop, GoldenFigures) {
     for (const auto& c : golden_loops("linear")) {
         const DelayedLoop loop = loop_of(c);
         const std::string tag = c.at("tag");
@@ -29,6 +29,12 @@ TEST(DelayedLoop, CriticalDelaysAndFrequencies) {
         expect_relative(point.frequency_rad_per_s, figure(c, "omega_star"), kGolden, tag);
         expect_relative(delay_independent_stiffness_N_per_m(loop.hand), figure(c, "K_delay_independent"),
                         kGolden, tag);
+        const DominantRoot root = rightmost_root(loop, figure(c, "T"));
+        expect_relative(root.real_per_s, figure(c, "rightmost_re"), kGolden, tag + " root");
+        expect_relative(root.imaginary_rad_per_s, figure(c, "rightmost_im"), kGolden, tag + " root");
+        const CriticalStiffness critical = critical_stiffness(loop.hand, figure(c, "T"));
+        expect_relative(critical.stiffness_N_per_m, figure(c, "K_star_of_T"), kGolden, tag + " K*");
+        expect_relative(critical.frequency_rad_per_s, figure(c, "omega_at_K_star"), kGolden, tag + " K*");
     }
 }
 
@@ -47,22 +53,6 @@ TEST(DelayedLoop, CrossingsAndUnstableRoots) {
             EXPECT_EQ(found[i].direction, expected[i].at("dir").get<int>()) << tag;
             EXPECT_EQ(found[i].unstable_roots_after, expected[i].at("n_unstable_after").get<int>()) << tag;
         }
-    }
-}
-
-TEST(DelayedLoop, RightmostRoots) {
-    for (const auto& c : golden_loops("linear")) {
-        const DominantRoot root = rightmost_root(loop_of(c), figure(c, "T"));
-        expect_relative(root.real_per_s, figure(c, "rightmost_re"), kGolden, c.at("tag"));
-        expect_relative(root.imaginary_rad_per_s, figure(c, "rightmost_im"), kGolden, c.at("tag"));
-    }
-}
-
-TEST(DelayedLoop, CriticalStiffness) {
-    for (const auto& c : golden_loops("linear")) {
-        const CriticalStiffness critical = critical_stiffness(hand_of(c), figure(c, "T"));
-        expect_relative(critical.stiffness_N_per_m, figure(c, "K_star_of_T"), kGolden, c.at("tag"));
-        expect_relative(critical.frequency_rad_per_s, figure(c, "omega_at_K_star"), kGolden, c.at("tag"));
     }
 }
 

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -34,13 +34,9 @@ TEST(ParameterRange, RefusesTheRestAndSaysHowToWriteIt) {
           "operator.brake_s=0:nan:3", "operator.brake_s=0:inf:3", "operator.brake_s=0:1:-2",
           "operator.brake_s=0:1:1001", "operator.brake_s=0:1 :3", "operator.brake_s=0:1xs",
           "handle.friction_N=0:1s", "netem.force.delay_s=0:0.1:3"}) {
-        try {
-            parse_parameter_range(text);
-            ADD_FAILURE() << text;
-        } catch (const Error& refusal) {
-            EXPECT_EQ(refusal.code(), ExitCode::kUsage);
-            EXPECT_THAT(refusal.what(), AllOf(HasSubstr("--vary"), HasSubstr("LOW:HIGH"), HasSubstr(text)));
-        }
+        EXPECT_THAT(refusal([&] { parse_parameter_range(text); }, ExitCode::kUsage),
+                    AllOf(HasSubstr("--vary"), HasSubstr("LOW:HIGH"), HasSubstr(text)))
+            << text;
     }
 }
 

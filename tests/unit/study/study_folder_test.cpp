@@ -42,13 +42,8 @@ class StudyFolder : public testing::Test {
     StudyTables resume() { return open(IfExists::kContinue); }
     // It is not gone on with, and the table has all its bytes.
     void expect_kept(ExitCode code, const std::string& words, const std::string& table_text) {
-        try {
-            resume();
-            ADD_FAILURE() << "was gone on with: " << words;
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code(), code) << error.what();
-            EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
-        }
+        const std::string said = refusal([&] { resume(); }, code);
+        EXPECT_NE(said.find(words), std::string::npos) << words << ": " << said;
         EXPECT_EQ(table(), table_text);
     }
     std::string table() const { return read_text(directory_ / "trials.csv"); }

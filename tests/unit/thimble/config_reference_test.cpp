@@ -9,11 +9,11 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "common/error.hpp"
 #include "common/network_settings.hpp"
 #include "netem/profiles/profiles.hpp"
 #include "session/settings/system_settings.hpp"
 #include "slave_sim/scene_file.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -54,21 +54,19 @@ std::string file_with(const std::string& path, const std::string& value, const s
 }
 
 std::string refusal_of(const std::string& text, ReadFile read) {
-    try {
+    const auto read_all = [&] {
         const ConfigFile file = ConfigFile::parse(text, "asked");
         read(file);
         file.finish();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "";
+    };
+    return refusal(read_all, ExitCode::kUsage);
 }
 
 // The same; where the key depends on another one, that is chosen as the refusal says.
 std::string refusal_of_key(const std::string& path, const std::string& value, ReadFile read) {
-    const std::string refusal = refusal_of(file_with(path, value), read);
+    const std::string refused = refusal_of(file_with(path, value), read);
     std::smatch said;
-    if (!std::regex_search(refusal, said, std::regex("with (\\w+) = .*choose ([\\w-]+)"))) return refusal;
+    if (!std::regex_search(refused, said, std::regex("with (\\w+) = .*choose ([\\w-]+)"))) return refused;
     return refusal_of(file_with(path, value, fmt::format("{} = '{}', ", said.str(1), said.str(2))), read);
 }
 
@@ -97,9 +95,9 @@ TEST(ConfigReference, EachKeyIsReadAsItIsDescribed) {
             EXPECT_NE(key.help, "");
             const auto names_the_key = HasSubstr(path.substr(path.rfind('.') + 1) + "' ");
             for (const std::string& value : refused_values(key)) {
-                const std::string refusal = refusal_of_key(path, value, read);
-                EXPECT_THAT(refusal, names_the_key) << value;
-                EXPECT_THAT(refusal, AnyOf(HasSubstr(" must be "), HasSubstr(" must lie between "),
+                const std::string refused = refusal_of_key(path, value, read);
+                EXPECT_THAT(refused, names_the_key) << value;
+                EXPECT_THAT(refused, AnyOf(HasSubstr(" must be "), HasSubstr(" must lie between "),
                                            HasSubstr(" must hold ")))
                     << value;
             }

@@ -10,8 +10,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/error.hpp"
 #include "common/messages.hpp"
+#include "tests/read_text.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -21,38 +22,22 @@ using testing::HasSubstr;
 
 class Replay : public testing::Test {
   protected:
-    void SetUp() override {
-        folder_ = std::filesystem::path(testing::TempDir()) /
-                  fmt::format("replay_{}", testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::remove_all(folder_);
-        std::filesystem::create_directories(folder_);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
-
-    std::filesystem::path write(const std::string& name, const std::string& text) const {
-        std::ofstream(folder_ / name) << text;
-        return folder_ / name;
-    }
     ReplayOptions options(const std::string& scene, const std::string& needle) const {
         ReplayOptions o;
-        o.scene = write("scene.toml", scene);
-        o.needle = write("needle.csv", "time_s,position_needle_m\n" + needle);
+        o.scene = folder_ / "scene.toml";
+        o.needle = folder_ / "needle.csv";
         o.out = folder_ / "out.csv";
+        write_text(o.scene, scene);
+        write_text(o.needle, "time_s,position_needle_m\n" + needle);
         return o;
     }
-    std::string refusal(const ReplayOptions& o, ExitCode code) const {
-        try {
-            replay(o);
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code(), code) << error.what();
-            EXPECT_FALSE(std::filesystem::exists(folder_ / "out.csv"));
-            return error.what();
-        }
-        ADD_FAILURE() << "was not refused";
-        return "";
+    std::string refused(const ReplayOptions& o, ExitCode code) const {
+        const std::string words = refusal([&o] { replay(o); }, code);
+        EXPECT_FALSE(std::filesystem::exists(folder_ / "out.csv"));
+        return words;
     }
 
-    std::filesystem::path folder_;
+    const TemporaryDirectory folder_;
 };
 
 std::vector<std::vector<std::string>> fields(const std::filesystem::path& path) {
@@ -182,21 +167,16 @@ TEST_F(Replay, WithoutTissueThereIsNoSurface) {
 
 TEST_F(Replay, ReplayedTwiceGivesTheSameBytes) {
     const ReplayOptions o = options("[tissue]\n[fixture]\n", "0,0\n0.7,0.15\n1.9,0.01\n");
-    const auto text = [](const std::filesystem::path& path) {
-        std::ifstream in(path);
-        return std::string{std::istreambuf_iterator<char>(in), {}};
-    };
     replay(o);
-    const std::string first = text(o.out);
+    const std::string first = read_text(o.out);
     replay(o);
-    EXPECT_EQ(text(o.out), first);
+    EXPECT_EQ(read_text(o.out), first);
 }
 
 TEST_F(Replay, EverySolverRunsTheSameScene) {
     std::string needle;
-    for (int i = 0; i <= 3000; ++i) {
+    for (int i = 0; i <= 3000; ++i)
         needle += fmt::format("{},{}\n", i * 1e-3, 0.05 - 0.05 * std::cos(2.0943951 * i * 1e-3));
-    }
     const ReplayOptions exact = options("[tissue]\n[fixture]\nposition_m = 0.09\n", needle);
     const ReplayResult reference = replay(exact);
     const auto expected = fields(exact.out);
@@ -216,20 +196,20 @@ TEST_F(Replay, EverySolverRunsTheSameScene) {
 
 TEST_F(Replay, RefusesByName) {
     const std::string good = "0,0\n1,0.01\n";
-    EXPECT_THAT(refusal(options("[tissue]\n", "0,0.03\n1,0.04\n"), ExitCode::kData),
+    EXPECT_THAT(refused(options("[tissue]\n", "0,0.03\n1,0.04\n"), ExitCode::kData),
                 AllOf(HasSubstr("needle.csv:2:"), HasSubstr("inside 'tissue'")));
-    EXPECT_THAT(refusal(options("[tissue]\nmass = 1\n", good), ExitCode::kUsage),
+    EXPECT_THAT(refused(options("[tissue]\nmass = 1\n", good), ExitCode::kUsage),
                 AllOf(HasSubstr("scene.toml:2:"), HasSubstr("'tissue.mass'")));
-    EXPECT_THAT(refusal(options("[tissue]\n", "0,0\n1,?\n"), ExitCode::kData), HasSubstr("needle.csv:3:"));
+    EXPECT_THAT(refused(options("[tissue]\n", "0,0\n1,?\n"), ExitCode::kData), HasSubstr("needle.csv:3:"));
     ReplayOptions o = options("[tissue]\n", good);
     o.solver = "euler";
-    EXPECT_THAT(refusal(o, ExitCode::kUsage), HasSubstr("semi_implicit_euler"));
+    EXPECT_THAT(refused(o, ExitCode::kUsage), HasSubstr("semi_implicit_euler"));
     o = options("[tissue]\nmass_kg = 1e-12\n", good);
     o.solver = "rk4";
-    EXPECT_THAT(refusal(o, ExitCode::kUsage), HasSubstr("unstable"));
+    EXPECT_THAT(refused(o, ExitCode::kUsage), HasSubstr("unstable"));
     o = options("[tissue]\n", good);
     o.events = o.needle;
-    EXPECT_THAT(refusal(o, ExitCode::kUsage), HasSubstr("named twice"));
+    EXPECT_THAT(refused(o, ExitCode::kUsage), HasSubstr("named twice"));
     EXPECT_EQ(fields(o.needle).size(), 3u);  // untouched
 }
 

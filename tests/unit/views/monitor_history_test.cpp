@@ -16,12 +16,10 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 Monitor running_at(double time_s, double needle_m = 0) {
-    Monitor monitor;
-    monitor.state = NodeState::kRunning;
-    monitor.time_s = time_s;
-    monitor.position_needle_m = needle_m;
-    monitor.position_fixture_m = 0.12;
-    return monitor;
+    return {.time_s = time_s,
+            .position_needle_m = needle_m,
+            .position_fixture_m = 0.12,
+            .state = NodeState::kRunning};
 }
 
 // `samples` at 250 Hz from 0.004 s on, the needle as `needle_m` says.
@@ -126,8 +124,7 @@ TEST(MonitorHistory, ANewTrialAndATimeThatGoesBackStartAnew) {
 
 TEST(MonitorHistory, BetweenTrialsNothingIsAddedAndTimeStands) {
     MonitorHistory history(10);
-    Monitor idle;
-    history.add(at(seconds{1}), 0, idle);
+    history.add(at(seconds{1}), 0, Monitor{});
     EXPECT_EQ(history.size(), 0U);
     history.add(at(seconds{2}), 1, running_at(0.004));
     EXPECT_NEAR(history.end_s(at(seconds{3})), 1.004, 1e-9);  // running: silence grows into a gap

@@ -56,10 +56,8 @@ TEST(MonitorReceiver, ADevicesWordsStayUntilAnotherTrialRuns) {
     QueuePipe pipe;
     MonitorReceiver receiver(pipe.b);
     OutboundFlow session(Role::kSession, 2, {&pipe.a});
-    Monitor ended;
-    ended.reason = EndReason::kDeviceFault;
     session.send(at(milliseconds{1}), 4, DeviceFault("drive 3: EMCY 0x2310"));
-    session.send(at(milliseconds{1}), 4, ended);
+    session.send(at(milliseconds{1}), 4, Monitor{.reason = EndReason::kDeviceFault});
     take(receiver, at(milliseconds{1}));
     EXPECT_EQ(receiver.fault(), "drive 3: EMCY 0x2310");
     take(receiver, at(std::chrono::seconds{9}));

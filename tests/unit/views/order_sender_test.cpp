@@ -12,11 +12,7 @@ namespace {
 using std::chrono::milliseconds;
 
 Order order_of(OrderKind kind, double value = 0, Modality modality = Modality::kHF) {
-    Order order;
-    order.kind = kind;
-    order.value = value;
-    order.modality = modality;
-    return order;
+    return {.value = value, .kind = kind, .modality = modality};
 }
 
 struct OrderBench {
@@ -120,9 +116,7 @@ TEST(OrderSender, EachKindHasItsOwnProof) {
 
 TEST(OrderSender, WhatNoMonitorShowsIsSaidFiveTimes) {
     OrderBench bench;
-    Order order = order_of(OrderKind::kExclude);
-    order.trial = 2;
-    bench.ask(milliseconds{0}, order);
+    bench.ask(milliseconds{0}, {.trial = 2, .kind = OrderKind::kExclude});
     bench.run(0, 2500);
     EXPECT_EQ(bench.heard().size(), 5U);
     EXPECT_EQ(bench.sender.progress(OrderKind::kExclude), OrderProgress::kSent);

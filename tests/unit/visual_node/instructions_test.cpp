@@ -25,12 +25,7 @@ std::string refusal_of(const std::string& text) {
 }
 
 Page page_with(PageKind kind, double remaining_s = 0) {
-    Page page;
-    page.kind = kind;
-    page.trial = 3;
-    page.trials = 12;
-    page.remaining_s = remaining_s;
-    return page;
+    return {.remaining_s = remaining_s, .trial = 3, .trials = 12, .kind = kind};
 }
 
 TEST(Instructions, AreReadPageByPage) {

@@ -87,12 +87,7 @@ TEST_F(HandFlowTest, ATrialBeginsAtHome) {
     EXPECT_EQ(nobody.next(), kNever);
 }
 
-Page ready_page(std::uint32_t trial) {
-    Page page;
-    page.kind = PageKind::kReady;
-    page.trial = trial;
-    return page;
-}
+Page page_of(std::uint32_t trial, PageKind kind = PageKind::kReady) { return {.trial = trial, .kind = kind}; }
 
 // How often it is said from `from` to `to`, looked at each millisecond.
 int said_between(GoOnRequest& request, int from_ms, int to_ms) {
@@ -103,12 +98,12 @@ int said_between(GoOnRequest& request, int from_ms, int to_ms) {
 
 TEST(GoOnRequest, IsRepeatedWhileItsPageStandsAndThenForgotten) {
     GoOnRequest request(true);
-    request.turn(at(milliseconds{0}), ready_page(1));
+    request.turn(at(milliseconds{0}), page_of(1));
     EXPECT_EQ(said_between(request, 0, 100), 0);
     request.press(at(milliseconds{100}));
-    request.turn(at(milliseconds{110}), ready_page(1));  // said again by the session
+    request.turn(at(milliseconds{110}), page_of(1));  // said again by the session
     EXPECT_EQ(said_between(request, 100, 300), 4);
-    request.turn(at(milliseconds{300}), ready_page(2));
+    request.turn(at(milliseconds{300}), page_of(2));
     EXPECT_EQ(said_between(request, 300, 600), 0);
     request.press(at(milliseconds{600}));
     EXPECT_EQ(said_between(request, 600, 5000), 40) << "for two seconds";
@@ -119,9 +114,7 @@ TEST(GoOnRequest, IsRepeatedWhileItsPageStandsAndThenForgotten) {
 // An answer, unlike a key, is worth waiting for.
 TEST(GoOnRequest, AnAnswerIsRepeatedUntilThePageIsTurned) {
     GoOnRequest request(false);  // who begins trials has nothing to do with it
-    Page question = ready_page(4);
-    question.kind = PageKind::kQuestion;
-    request.turn(at(milliseconds{0}), question);
+    request.turn(at(milliseconds{0}), page_of(4, PageKind::kQuestion));
     request.press(at(milliseconds{1}));
     request.answer(at(milliseconds{1}), 3, 50);  // of the page before
     EXPECT_EQ(said_between(request, 1, 200), 0);
@@ -131,25 +124,22 @@ TEST(GoOnRequest, AnAnswerIsRepeatedUntilThePageIsTurned) {
     EXPECT_EQ(request.order().kind, OrderKind::kAnswer);
     EXPECT_EQ(request.order().trial, 4U);
     EXPECT_EQ(request.order().value, 80);
-    question.trial = 5;
-    request.turn(at(milliseconds{10'000}), question);
+    request.turn(at(milliseconds{10'000}), page_of(5, PageKind::kQuestion));
     EXPECT_EQ(said_between(request, 10'000, 10'200), 0);
 }
 
 TEST(GoOnRequest, IsNothingWhereNoPageWaitsOrTheProtocolForbidsIt) {
     GoOnRequest request(true);
     request.press(at(milliseconds{0}));  // in a trial
-    request.turn(at(milliseconds{1}), ready_page(1));
+    request.turn(at(milliseconds{1}), page_of(1));
     EXPECT_EQ(said_between(request, 1, 200), 0);
-    Page rest = ready_page(2);
-    rest.kind = PageKind::kBreak;
-    request.turn(at(milliseconds{200}), rest);
+    request.turn(at(milliseconds{200}), page_of(2, PageKind::kBreak));
     request.press(at(milliseconds{201}));
     EXPECT_EQ(request.next(), kNever);
     EXPECT_EQ(said_between(request, 201, 400), 0);
 
     GoOnRequest forbidden(false);
-    forbidden.turn(at(milliseconds{0}), ready_page(1));
+    forbidden.turn(at(milliseconds{0}), page_of(1));
     forbidden.press(at(milliseconds{1}));
     EXPECT_EQ(forbidden.next(), kNever);
     EXPECT_EQ(said_between(forbidden, 1, 200), 0);

@@ -10,11 +10,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-Scene scene(double bar_N) {
-    Scene drawn;
-    drawn.bar_N = bar_N;
-    return drawn;
-}
+Scene scene(double bar_N) { return {.bar_N = bar_N}; }
 
 TEST(RecordingDisplay, ShowsAfterThePipeline) {
     RecordingDisplay display(milliseconds{25});

@@ -1,9 +1,9 @@
-#include <deque>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "common/flow.hpp"
+#include "tests/unit/queue_ports.hpp"
 #include "tests/unit/session_time.hpp"
 #include "visual_node/visual_process.hpp"
 
@@ -11,26 +11,6 @@ namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
-
-// Each end receives the other end's datagrams.
-struct Mailbox final : Channel {
-    void send(Bytes datagram) override { waiting.emplace_back(datagram.begin(), datagram.end()); }
-    Bytes take() override {
-        if (waiting.empty()) return {};
-        taken = std::move(waiting.front());
-        waiting.pop_front();
-        return taken;
-    }
-    std::deque<std::vector<std::uint8_t>> waiting;
-    std::vector<std::uint8_t> taken;
-};
-
-// The node's messages to the session go nowhere.
-struct OneWay final : Channel {
-    void send(Bytes) override {}
-    Bytes take() override { return orders.take(); }
-    Mailbox orders;
-};
 
 struct PageDisplay final : Display {
     void draw(SessionTime, const Scene&) override {}
@@ -50,30 +30,24 @@ struct VisualPage : testing::Test {
         session.send(at(milliseconds{ms}), trial, body);
         process.tick(at(milliseconds{ms}));
     }
-    static Page page_of(PageKind kind) {
-        Page page;
-        page.kind = kind;
-        return page;
-    }
 
-    OneWay control;
-    Mailbox force, beep, percept;
+    QueuePorts ports;
     PageDisplay display;
-    VisualProcess process{2, VisualSettings{}, {&control, &force, &beep, &percept}, display};
-    OutboundFlow session{Role::kSession, 1, {&control.orders}};
+    VisualProcess process{2, VisualSettings{}, ports, display};
+    OutboundFlow session{Role::kSession, 1, {ports.far_end(Port::kVisualControl)}};
 };
 
 TEST_F(VisualPage, IsTurnedBetweenTrials) {
-    order(1, 0, page_of(PageKind::kWelcome));
-    order(2, 0, page_of(PageKind::kReady));
+    order(1, 0, Page{.kind = PageKind::kWelcome});
+    order(2, 0, Page{.kind = PageKind::kReady});
     EXPECT_EQ(display.pages, (std::vector{PageKind::kWelcome, PageKind::kReady}));
     EXPECT_EQ(process.counters().refused_total(), 0U);
 }
 
 TEST_F(VisualPage, EndsWithATrialAndNeverCoversOne) {
-    order(1, 0, page_of(PageKind::kReady));
+    order(1, 0, Page{.kind = PageKind::kReady});
     order(2, 1, SessionControl{});
-    order(3, 1, page_of(PageKind::kBreak));
+    order(3, 1, Page{.kind = PageKind::kBreak});
     EXPECT_EQ(display.pages, (std::vector{PageKind::kReady, PageKind::kNone}));
 }
 

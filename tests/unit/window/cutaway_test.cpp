@@ -94,15 +94,9 @@ TEST(Cutaway, DrawsWhateverItIsGiven) {
 
 TEST(Cutaway, IsInASceneWhereItIsAskedFor) {
     for (const bool asked : {false, true}) {
-        VisualSettings settings;
-        settings.cut_away = asked;
-        VisualNode node(settings);
-        SessionControl control;
-        control.fixture_position_m = 0.11;
-        node.start_trial(from_nanoseconds(1), control, 1);
-        ForceFeedback feedback;
-        feedback.position_needle_m = 0.1;
-        node.on_picture(node.next_frame(), feedback);
+        VisualNode node(VisualSettings{.cut_away = asked});
+        node.start_trial(from_nanoseconds(1), {.fixture_position_m = 0.11}, 1);
+        node.on_picture(node.next_frame(), {.position_needle_m = 0.1});
         const Scene scene = node.frame(node.next_frame()).value();
         ASSERT_EQ(scene.cut_away.has_value(), asked);
         if (!asked) continue;

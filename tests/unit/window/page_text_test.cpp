@@ -13,12 +13,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 Page page_of(PageKind kind, double remaining_s = 0) {
-    Page page;
-    page.kind = kind;
-    page.remaining_s = remaining_s;
-    page.trial = 3;
-    page.trials = 12;
-    return page;
+    return {.remaining_s = remaining_s, .trial = 3, .trials = 12, .kind = kind};
 }
 
 TEST(PageText, CountsABreakDownAndSaysWhichTrialComes) {

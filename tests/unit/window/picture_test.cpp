@@ -12,13 +12,11 @@ namespace thimble {
 namespace {
 
 Scene scene_with(double needle_m, double surface_m, double bar_N = 0) {
-    Scene scene;
-    scene.position_needle_m = needle_m;
-    scene.position_surface_m = surface_m;
-    scene.position_surface_rest_m = 0.02;
-    scene.bar_N = bar_N;
-    scene.bar_shown = true;
-    return scene;
+    return {.position_needle_m = needle_m,
+            .position_surface_m = surface_m,
+            .bar_N = bar_N,
+            .position_surface_rest_m = 0.02,
+            .bar_shown = true};
 }
 
 TEST(Picture, NeedleNeverEndsBeneathTheSurface) {
@@ -118,10 +116,7 @@ TEST(Picture, MarksAreOneTwoOrFiveOfADecade) {
 
 TEST(Picture, AFingertipIsNoPalerThanPale) {
     const auto fingertip = [](double force_N) {
-        Scene scene;
-        scene.fingertip_shown = true;
-        scene.fingertip_N = force_N;
-        return picture_of(scene, {800, 600, 2}).fingertip.value();
+        return picture_of({.fingertip_N = force_N, .fingertip_shown = true}, {800, 600, 2}).fingertip.value();
     };
     EXPECT_EQ(fingertip(1).blanching, 0.25);
     EXPECT_EQ(fingertip(kBlanched_N).blanching, 1);
@@ -134,9 +129,7 @@ TEST(Picture, AFingertipIsNoPalerThanPale) {
 }
 
 TEST(Picture, NothingWithoutItsModality) {
-    Scene scene;
-    scene.bar_N = 5;
-    scene.fingertip_N = 3;
+    Scene scene{.bar_N = 5, .fingertip_N = 3};
     EXPECT_FALSE(picture_of(scene, {}).bar);
     EXPECT_FALSE(picture_of(scene, {}).fingertip);
     scene.fingertip_shown = true;

@@ -15,12 +15,10 @@ using std::chrono::milliseconds;
 
 // A needle that moves 1 mm per ms, sampled at `stamp`, here after `took`.
 Scene moving(Duration stamp, Duration took) {
-    Scene scene;
-    scene.hand_time = at(stamp);
-    scene.sample_time = at(stamp + took);
-    scene.position_needle_m = to_seconds(stamp);
-    scene.position_surface_m = 100;
-    return scene;
+    return {.position_needle_m = to_seconds(stamp),
+            .position_surface_m = 100,
+            .sample_time = at(stamp + took),
+            .hand_time = at(stamp)};
 }
 
 TEST(Playout, WithoutSmoothingShowsTheNewestAsItIs) {

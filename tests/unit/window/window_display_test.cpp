@@ -9,11 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-Scene stamped(std::int64_t i) {
-    Scene scene;
-    scene.sample_time = from_nanoseconds(i);
-    return scene;
-}
+Scene stamped(std::int64_t i) { return {.sample_time = from_nanoseconds(i)}; }
 
 TEST(WindowDisplay, TellsThePresentedWhenLightLeaves) {
     WindowDisplay display(milliseconds{10});
@@ -44,9 +40,7 @@ TEST(WindowDisplay, CountsWhatNobodySees) {
 
 TEST(WindowDisplay, PassesPagesAndBeepsOn) {
     WindowDisplay display(Duration::zero());
-    Page page;
-    page.kind = PageKind::kReady;
-    display.turn_page({}, page);
+    display.turn_page({}, {.kind = PageKind::kReady});
     display.beep(at(milliseconds{3}));
     EXPECT_EQ(display.take_page().value().kind, PageKind::kReady);
     EXPECT_FALSE(display.take_page());
@@ -67,9 +61,7 @@ TEST(WindowDisplay, PassesAnswersOnInTheirOrder) {
 // A window that hangs while many pages are turned shows the newest one when it looks again.
 TEST(WindowDisplay, TheNewestPageIsNeverLost) {
     WindowDisplay display(Duration::zero());
-    Page page;
-    page.kind = PageKind::kBreak;
-    for (int i = 0; i < 1000; ++i) display.turn_page({}, page);
+    for (int i = 0; i < 1000; ++i) display.turn_page({}, {.kind = PageKind::kBreak});
     display.turn_page({}, Page{});  // a trial begins
     const auto newest = [&] {
         PageKind kind = PageKind::kWait;

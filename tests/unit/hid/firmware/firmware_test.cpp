@@ -64,6 +64,11 @@ class Firmware : public testing::Test {
             board_task();
         }
     }
+    void press_index() {
+        actuator.command(now, Finger::kIndex, 1);
+        run(3);
+        ASSERT_EQ(played::pressed_mN[0], 1000);
+    }
     SessionTime now = at(std::chrono::seconds{1});
     FirmwareLink link;
     BoardActuator actuator{HidChoice{}, 5};
@@ -92,8 +97,7 @@ TEST_F(Firmware, SpeaksOftenEnoughWhenNothingChanges) {
 }
 
 TEST_F(Firmware, LetsGoFiftyMillisecondsAfterTheLastCommand) {
-    actuator.command(now, Finger::kIndex, 1);
-    run(3);
+    press_index();
     run(46, false);
     EXPECT_EQ(played::pressed_mN[0], 1000);
     run(6, false);
@@ -106,9 +110,7 @@ TEST_F(Firmware, LetsGoFiftyMillisecondsAfterTheLastCommand) {
 }
 
 TEST_F(Firmware, AGarbledCommandIsNoSignOfLife) {
-    actuator.command(now, Finger::kIndex, 1);
-    run(3);
-    ASSERT_EQ(played::pressed_mN[0], 1000);
+    press_index();
     BoardReport bad = encode(BoardCommand{9, true, 1400, 0});
     bad[4] ^= 1U;
     for (int i = 0; i < 60; ++i) {
@@ -119,9 +121,7 @@ TEST_F(Firmware, AGarbledCommandIsNoSignOfLife) {
 }
 
 TEST_F(Firmware, AFaultLetsGoAndIsTold) {
-    actuator.command(now, Finger::kIndex, 1);
-    run(3);
-    ASSERT_EQ(played::pressed_mN[0], 1000);
+    press_index();
     board_fault = 1;
     run(20);
     EXPECT_EQ(played::pressed_mN[0], 0);

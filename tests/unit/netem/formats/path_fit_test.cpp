@@ -92,8 +92,7 @@ TEST(PathFit, SaysWhenNoShapeIsLikeIt) {
     EXPECT_THAT(fit.sentences, Contains(HasSubstr("which is poor")));
     EXPECT_LT(fit.correlation, -0.9);  // it alternates
     EXPECT_EQ(fit.link.jitter.correlation, 0);
-    const std::vector<double> table = standardised_delays(path);
-    EXPECT_NEAR(JitterTable(table).standard_deviation(), 1, 0.01);
+    EXPECT_NEAR(JitterTable(standardised_delays(path)).standard_deviation(), 1, 0.01);
 }
 
 TEST(PathFit, OffersNoShapeThatWouldBeCutAtZero) {
@@ -201,9 +200,7 @@ TEST(PathFit, WhatItFitsCanBeRead) {
 }
 
 TEST(PathFit, NoLossIsABoundAndTooLittleIsRefused) {
-    MeasuredPath path;
-    path.has_loss = true;
-    for (int i = 0; i < 300; ++i) path.packets.push_back({i, {}, 0, 0});
+    MeasuredPath path = runs_of({300});
     EXPECT_THAT(fit_path(path).sentences, Contains(HasSubstr("less than 1 % is (95 % confidence)")));
     path.packets.resize(1);
     EXPECT_THROW(fit_path(path), Error);

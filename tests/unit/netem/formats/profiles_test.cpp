@@ -26,10 +26,6 @@ std::string no_files(std::string_view name) {
 
 LinkProfile parsed_profile(std::string_view text) { return parse_profile(text, "lab.toml", no_files); }
 
-std::string profile_refusal_of(std::string_view text) {
-    return refusal([&] { parsed_profile(text); }, ExitCode::kUsage);
-}
-
 // The link's effects, by the first words of a source line.
 std::vector<std::string> topics_of(const LinkSettings& link) {
     std::vector<std::string> topics;
@@ -180,11 +176,13 @@ every_s = 20
 }
 
 TEST(ProfileLink, RefusalsNameTheKey) {
-    const std::vector<std::pair<std::string, std::string>> cases{
-        {"[up]\ndelay = 1\n", "unknown key 'up.delay'"},
-        {"[upp]\n", "unknown"},
-        {"[[change]]\nat_s = 2\n[[change]]\nat_s = 1\n", "must not be before"}};
-    for (const auto& [text, reason] : cases) EXPECT_THAT(profile_refusal_of(text), HasSubstr(reason)) << text;
+    for (const auto& [text, reason] :
+         {std::pair{"[up]\ndelay = 1\n", "unknown key 'up.delay'"},
+          {"[upp]\n", "unknown"},
+          {"[[change]]\nat_s = 2\n[[change]]\nat_s = 1\n", "must not be before"}})
+        EXPECT_THAT(refusal([&, &lines = text] { parsed_profile(lines); }, ExitCode::kUsage),
+                    HasSubstr(reason))
+            << text;
 }
 
 TEST(Timeline, ChangesBuildOnOneAnother) {

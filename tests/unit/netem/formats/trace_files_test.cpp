@@ -21,9 +21,6 @@ using testing::StartsWith;
 std::string table_refusal(std::string_view text) {
     return refusal([&] { parse_jitter_table(text, "a.dist"); });
 }
-std::string trace_refusal(std::string_view text) {
-    return refusal([&] { parse_packet_trace(text, "a.csv", {}); });
-}
 std::string delivery_refusal(std::string_view text) {
     return refusal([&] { parse_delivery_trace(text, "a.pdo"); });
 }
@@ -48,8 +45,7 @@ TEST(JitterTableFile, RefusesWithFileAndLine) {
 TEST(JitterTableFile, WhatIsWrittenIsReadAgain) {
     std::vector<double> deviates;
     for (int i = -2000; i < 2000; ++i) deviates.push_back(std::round(i * 1.5) / kDistScale);
-    const JitterTable table(deviates);
-    const std::string text = print_jitter_table(table, "two\nlines", deviates.size());
+    const std::string text = print_jitter_table(JitterTable(deviates), "two\nlines", deviates.size());
     EXPECT_THAT(text, StartsWith("# two lines\n"));
     EXPECT_EQ(parse_jitter_table(text, "a").deviates(), deviates);
 }
@@ -110,7 +106,9 @@ TEST(PacketTraceFile, RefusesWithFileAndLine) {
         {"time_s,delay_s,loss\n0,,0\n", "empty only where loss is 1"},
         {"time_s,rate_kbps\n0,0\n", "rate: must be above 0"},
         {"t_us,loss\n4e15,0\n", "a.csv:2: t_us"}};
-    for (const auto& [text, reason] : cases) EXPECT_THAT(trace_refusal(text), HasSubstr(reason)) << text;
+    for (const auto& [text, why] : cases)
+        EXPECT_THAT(refusal([&, &csv = text] { parse_packet_trace(csv, "a.csv", {}); }), HasSubstr(why))
+            << text;
 }
 
 TEST(PacketTraceFile, WhatIsWrittenIsReadAgain) {
@@ -133,8 +131,8 @@ TEST(PacketTraceFile, WhatIsWrittenIsReadAgain) {
 }
 
 TEST(DeliveryTraceFile, ReadsAndRefuses) {
-    const DeliveryTrace trace = parse_delivery_trace("0\n 1\r\n1\n5\n", "a.pdo");
-    EXPECT_EQ(trace.times_ms(), (std::vector<std::uint32_t>{0, 1, 1, 5}));
+    EXPECT_EQ(parse_delivery_trace("0\n 1\r\n1\n5\n", "a.pdo").times_ms(),
+              (std::vector<std::uint32_t>{0, 1, 1, 5}));
     EXPECT_THAT(delivery_refusal(""), StartsWith("a.pdo:1: is empty"));
     EXPECT_THAT(delivery_refusal("5\n4\n"), StartsWith("a.pdo:2: times must not fall"));
     EXPECT_THAT(delivery_refusal("5\n\n6\n"), StartsWith("a.pdo:2: ''"));

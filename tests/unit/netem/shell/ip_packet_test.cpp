@@ -48,12 +48,12 @@ TEST(IpPacket, ThatIsCutOrNoneIsGarbage) {
         for (std::size_t size = 0; size < whole.size(); ++size)
             EXPECT_EQ(read_ip_packet(Bytes(whole).first(size)).kind, IpKind::kGarbage) << size;
     }
-    Octets short_header = v4;
-    short_header[0] = 0x44;
-    EXPECT_EQ(read_ip_packet(short_header).kind, IpKind::kGarbage);
-    Octets short_length = v4;
-    short_length[3] = 19;
-    EXPECT_EQ(read_ip_packet(short_length).kind, IpKind::kGarbage);
+    // A header and a length that are too short.
+    for (const auto& [place, value] : {std::pair<std::size_t, std::uint8_t>{0, 0x44}, {3, 19}}) {
+        Octets damaged = v4;
+        damaged[place] = value;
+        EXPECT_EQ(read_ip_packet(damaged).kind, IpKind::kGarbage) << place;
+    }
     EXPECT_EQ(read_ip_packet(Octets(60, 0x35)).kind, IpKind::kGarbage);
 }
 
