@@ -19,7 +19,8 @@ namespace thimble {
 // also answers a shell that completes its words (answer_shell), and takes `help [COMMAND...]` and `version` as first words.
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
 
-// Options of programs that do not see CLI11 themselves: a source that sees it compiles all of it, optimised or not.
+// Options for nodes. A source that includes CLI11 compiles all of it, which takes 10 of the 17 s of thimble-master.
+// The value of a word stands in the help as the default.
 void add_flag(CLI::App& command, const char* name, bool& value, const char* help);
 void add_word_option(CLI::App& command, const char* name, std::string& word,
                      const std::vector<std::string>& allowed, const char* help);

@@ -62,11 +62,6 @@ class RunByClock : public testing::Test {
         EXPECT_THAT(outcome.words, HasSubstr(words));
         EXPECT_FALSE(fs::exists(out_));
     }
-    // Of a node of the last run.
-    nlohmann::json report(const char* program, int delay_ms) const {
-        return nlohmann::json::parse(
-            read_text(out_ / "nodes" / fmt::format("{}_{}ms.json", program, delay_ms)));
-    }
     // The files that both have left.
     void expect_same_bytes() const {
         const fs::path one = folder_ / "lock-step", other = folder_ / "virtual";
@@ -137,10 +132,10 @@ TEST_F(RunByClock, RefusesWhateverLivesByTheWallClock) {
     expect_refused(easy + "[cutaneous]\ndevice = 'board'\n", "virtual", "[cutaneous]");
     expect_refused(easy + "[launch]\nmachine_slave_sim = 'elsewhere'\n", "virtual", "[launch]");
     expect_refused(easy + "[protocol]\n", "virtual", "[protocol]");
-    expect_refused(easy + "[handle]\ndevice = 'haply'\n", "lock-step", "[handle] device");
-    expect_refused(easy + "[visual]\ndisplay = 'window'\n", "lock-step", "[visual]");
-    for (const char* clock : {"wall", "virtual"})
-        expect_refused(easy, clock, "--step needs --clock lock-step", {"--step"});
+}
+
+TEST_F(RunByClock, LockStepHasNoWindow) {
+    expect_refused(std::string(kEasy) + "[visual]\ndisplay = 'window'\n", "lock-step", "[visual]");
 }
 
 TEST_F(RunByClock, LockStepGivesTheBytesOfVirtualTime) {
@@ -149,30 +144,15 @@ TEST_F(RunByClock, LockStepGivesTheBytesOfVirtualTime) {
     EXPECT_EQ(summary.at("clock"), "lock-step");
     EXPECT_GT(summary.at("simulated_s"), 10);
     for (const char* program : kNodePrograms) {
-        EXPECT_GT(report(program, 50).at("accepted"), 0) << program;
-        EXPECT_EQ(report(program, 50).at("udp").at("send_failed"), 0) << program;
+        const auto report =
+            nlohmann::json::parse(read_text(out_ / "nodes" / fmt::format("{}_50ms.json", program)));
+        EXPECT_GT(report.at("accepted"), 0) << program;
+        EXPECT_EQ(report.at("udp").at("send_failed"), 0) << program;
     }
 }
 
-// Every node reads the same [control]; waves go there and back, and no node refuses any. The key's random numbers reach the keys and
-// nothing else: virtual time has no keys at all.
-TEST_F(RunByClock, LockStepCarriesWavesUnderALabKey) {
-    SessionFile session;
-    session.delays_s = "[0.02]";
-    session.more =
-        "[control]\ncompensator = 'wave'\nwave_jitter_s = 0.02\n" + under_lab_key(folder_ / "lab.key");
-    expect_both_agree(session.text());
-    for (const char* program : kNodePrograms) {
-        EXPECT_GT(report(program, 20).at("accepted"), 0) << program;
-        for (const char* harmful :
-             {"malformed", "not_finite", "out_of_range", "second_sender", "unexpected_kind"})
-            EXPECT_EQ(report(program, 20).at("refused").at(harmful), 0) << program << ' ' << harmful;
-    }
-    const auto rows = read_trial_table(out_ / "trials.csv");
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(rows[0].reason, EndReason::kCompleted);
-    EXPECT_TRUE(rows[0].metrics.beeped);
-    EXPECT_EQ(rows[0].conditions.fixture_position_m, 0.035);
+TEST_F(RunByClock, LockStepTakesACompensator) {
+    expect_both_agree(std::string(kOneTrial) + "[control]\ncompensator = 'wave'\nwave_jitter_s = 0.02\n");
 }
 
 TEST_F(RunByClock, LockStepTakesASceneAndANetworkThatLoses) {
@@ -188,6 +168,11 @@ TEST_F(RunByClock, AConditionThatIsStoppedEndsNoOther) {
         "[trial]\ncontact_hold_s = 0.3\n[guard]\nenergy_limit_J = 0.1\n",
         1);
     EXPECT_EQ(read_trial_table(out_ / "trials.csv").size(), 3U);
+}
+
+// Its random numbers reach the keys and nothing else: virtual time has no keys at all.
+TEST_F(RunByClock, LockStepTakesALabKey) {
+    expect_both_agree(std::string(kOneTrial) + under_lab_key(folder_ / "lab.key"));
 }
 
 // They hear one session, whatever trial runs, and change no byte of it.
@@ -217,9 +202,11 @@ TEST_F(RunByClock, LockStepMindsNoView) {
 TEST_F(RunByClock, LockStepEndsWhereItsExperimenterSaysQuit) {
     PlayedView view(ports_.base(), PlayedView::Ports::kExperimenter, {});
     Child child = start(SessionFile::endless(kEndlessInLockStep_s).text(), {"--monitor"});
+    Order quit;
+    quit.kind = OrderKind::kQuit;
     const bool ended = wait_until([&] {
         view.listen(wall_now());
-        if (view.running()) view.order(wall_now(), OrderKind::kQuit);
+        if (view.running()) view.order(wall_now(), quit);
         return child.poll().has_value();
     });
     ASSERT_TRUE(ended);

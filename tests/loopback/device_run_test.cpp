@@ -211,6 +211,12 @@ TEST(HaplyRun, WithoutTheServiceTheRunSaysWhatToStart) {
     EXPECT_THAT(run.words(), HasSubstr("no Haply Inverse Service at ws://localhost:1: Connection refused"));
 }
 
+TEST(HaplyRun, LockStepRefusesARealHandle) {
+    RealRun run(session_of_device("haply", ""), kLockStep);
+    EXPECT_EQ(run.end(), 2) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("device"));
+}
+
 TEST_F(HandleRun, APersonsTrialIsFeltThroughTheTouch) {
     const auto script = folder_.write(
         "hd", "press 0.02\nlog " + (folder_ / "log").string() + "\ngo " + (folder_ / "go").string() + "\n");

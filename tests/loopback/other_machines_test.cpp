@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -48,12 +47,11 @@ class OtherMachines : public testing::Test {
         return session;
     }
     // Nodes end, and remove their folders, a moment after the launcher.
-    void expect_nothing_left(std::uint16_t base_port) const {
-        EXPECT_TRUE(wait_until([&] { return nodes_alive(base_port).empty(); }));
-        EXPECT_THAT(nodes_alive(base_port), IsEmpty());
+    void expect_nothing_left(const RealRun& run) const {
+        EXPECT_TRUE(wait_until([&] { return nodes_alive(run.base_port()).empty(); }));
+        EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
         EXPECT_TRUE(wait_until([&] { return fs::is_empty(room_); })) << "folders of nodes remain";
     }
-    void expect_nothing_left(const RealRun& run) const { expect_nothing_left(run.base_port()); }
 
     Folder folder_;
     fs::path room_ = folder_ / "room";
@@ -87,54 +85,65 @@ TEST_F(OtherMachines, ASessionOnThreeMachinesIsARunLikeAnyOther) {
     expect_nothing_left(run);
 }
 
-// The datagrams and the grants go another way, the bytes stay. The network's profile lies beside the session file, in a folder and
-// under a name that a shell could stumble over.
-TEST_F(OtherMachines, LockStepGivesTheBytesOfVirtualTimeAndFilesOfTheSessionComeAlong) {
-    const std::string name = "nets/it's $HOME/my net.toml";
+// The datagrams and the grants go another way, the bytes stay.
+TEST_F(OtherMachines, LockStepGivesTheBytesOfVirtualTime) {
     SessionFile session;
     session.modalities = R"(["CF"])";
     session.delays_s = "[0.05]";
+    session.more = launch_table();
+    RealRun run = start(session, kLockStep);
+    ASSERT_EQ(run.end(), 0) << run.words();
+    EXPECT_EQ(run.report("thimble-slave-sim", 50).at("machine"), "robot");
+    EXPECT_THAT(read_text(run.out() / "report.html"), HasSubstr("robot"));
+    EXPECT_EQ(read_text(run.out() / "virtual.csv"), read_text(run.out() / "trials.csv"));
+    EXPECT_THAT(read_text(run.out() / "nodes/thimble-slave-sim_50ms.log"), Not(HasSubstr("GRANT_KEY")));
+    const fs::path log = run.out() / "nodes/thimble-slave-sim_50ms_trial01.mcap";
+    EXPECT_TRUE(read_text(log).ends_with("MCAP0\r\n")) << "its log of messages has not come here";
+    EXPECT_EQ(run.report("thimble-slave-sim", 50).at("log").at("file"), log.string());
+    EXPECT_FALSE(fs::exists(run.out() / "nodes/thimble-slave-sim_50ms.mcap"));
+    expect_nothing_left(run);
+}
+
+TEST_F(OtherMachines, LockStepNamesAMachineWhoseNodeDies) {
+    RealRun run = start(endless(kEndlessInLockStep_s), kLockStep);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    kill(run.node("thimble-slave-sim"), SIGKILL);
+    EXPECT_EQ(run.end(), 3) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("thimble-slave-sim on 'robot' ended with code 137"));
+    EXPECT_EQ(run.only_reason(), EndReason::kPeerLost);
+    expect_nothing_left(run);
+}
+
+// The network's profile lies beside the session file, in a folder and under a name that a shell could stumble over.
+TEST_F(OtherMachines, FilesOfTheSessionComeAlong) {
+    const std::string name = "nets/it's $HOME/my net.toml";
+    SessionFile session;
+    session.modalities = R"(["CF"])";
     session.more = "[netem.force]\nprofile = \"" + name + "\"\n" + launch_table();
     const auto file = folder_.write("session.toml", session.text());
     fs::create_directories((folder_ / name).parent_path());
     static_cast<void>(folder_.write(name, "[down]\nloss = 0.2\n"));
     const PortBlock ports;
-    const fs::path out = folder_ / "out";
-    const Outcome outcome = run_thimble(
-        words_in(fmt::format("run {} --out {} --base-port {}", file.string(), out.string(), ports.base()),
-                 arguments(programs_, kLockStep)));
+    std::vector<std::string> words{"run",         file.string(),
+                                   "--out",       (folder_ / "out").string(),
+                                   "--base-port", std::to_string(ports.base())};
+    for (const std::string& word : arguments(programs_, kLockStep)) words.push_back(word);
+    const Outcome outcome = run_thimble(words);
     ASSERT_EQ(outcome.code, 0) << outcome.words;
-    const auto report_of = [&out](const char* program) {
-        return nlohmann::json::parse(read_text(out / "nodes" / fmt::format("{}_50ms.json", program)));
-    };
-    const auto netem = report_of("thimble-netem"), slave = report_of("thimble-slave-sim");
-    EXPECT_EQ(netem.at("machine"), "chatty");
-    EXPECT_GT(netem.at("links").at(1).at("lost"), 0) << "it ran with another network";
-    EXPECT_EQ(slave.at("machine"), "robot");
-    EXPECT_THAT(read_text(out / "report.html"), HasSubstr("robot"));
-    EXPECT_EQ(read_text(out / "virtual.csv"), read_text(out / "trials.csv"));
-    EXPECT_THAT(read_text(out / "nodes/thimble-slave-sim_50ms.log"), Not(HasSubstr("GRANT_KEY")));
-    const fs::path log = out / "nodes/thimble-slave-sim_50ms_trial01.mcap";
-    EXPECT_TRUE(read_text(log).ends_with("MCAP0\r\n")) << "its log of messages has not come here";
-    EXPECT_EQ(slave.at("log").at("file"), log.string());
-    EXPECT_FALSE(fs::exists(out / "nodes/thimble-slave-sim_50ms.mcap"));
-    expect_nothing_left(ports.base());
+    const auto report = nlohmann::json::parse(read_text(folder_ / "out/nodes/thimble-netem_0ms.json"));
+    EXPECT_EQ(report.at("machine"), "chatty");
+    EXPECT_GT(report.at("links").at(1).at("lost"), 0) << "it ran with another network";
 }
 
 TEST_F(OtherMachines, ANodeThatDiesEndsTheSessionEverywhere) {
-    for (const auto& clock : {std::vector<std::string>{}, kLockStep}) {
-        SCOPED_TRACE(testing::PrintToString(clock));
-        RealRun run = start(endless(clock.empty() ? kEndlessHold_s : kEndlessInLockStep_s), clock);
-        ASSERT_TRUE(run.reaches_trial()) << run.words();
-        kill(run.node("thimble-slave-sim"), SIGKILL);
-        EXPECT_EQ(run.end(), 3) << run.words();
-        EXPECT_THAT(run.words(), HasSubstr("thimble-slave-sim on 'robot' ended with code 137"));
-        EXPECT_EQ(run.only_reason(), EndReason::kPeerLost);
-        if (clock.empty()) {
-            EXPECT_FALSE(run.report("thimble-netem").is_null()) << "the others end in order";
-        }
-        expect_nothing_left(run);
-    }
+    RealRun run = start(endless());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    kill(run.node("thimble-slave-sim"), SIGKILL);
+    EXPECT_EQ(run.end(), 3) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("thimble-slave-sim on 'robot' ended with code 137"));
+    EXPECT_EQ(run.only_reason(), EndReason::kPeerLost);
+    EXPECT_FALSE(run.report("thimble-netem").is_null()) << "the others end in order";
+    expect_nothing_left(run);
 }
 
 TEST_F(OtherMachines, AKilledLauncherTakesItsNodesAlong) {

@@ -269,6 +269,14 @@ TEST(MonitorOfARun, ShowsTheTrialAndTakesQuit) {
     EXPECT_EQ(run.only_reason(), EndReason::kInterrupted);
 }
 
+TEST(MonitorOfARun, WithoutItNobodyListens) {
+    RealRun run(SessionFile::endless());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    EXPECT_NO_THROW(UdpChannel(network_at(run.base_port()).at(Port::kSessionOrders), {"127.0.0.1", 0}));
+    run.launcher().signal(SIGTERM);
+    run.end();
+}
+
 TEST(MonitorOfAParticipantSession, ATrialIsRepeatedWhenTheViewAsks) {
     const ParticipantSessions sessions("subject = 7", 0.2, 10);
     Child child = sessions.start({"--monitor"});

@@ -34,10 +34,7 @@ class PlayedView {
     // For the trial that the Monitor showed last, as a view does it.
     void order(SessionTime now, const Order& order) { orders_.send(now, trial_, order); }
     void order(SessionTime now, OrderKind kind, double value = 0) {
-        Order order;
-        order.kind = kind;
-        order.value = value;
-        orders_.send(now, trial_, order);
+        this->order(now, Order{.value = value, .kind = kind});
     }
 
     const Monitor& monitor() const { return monitor_; }

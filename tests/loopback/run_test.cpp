@@ -87,20 +87,6 @@ void expect_like_virtual_time(const std::vector<TrialRow>& rows, const std::file
     }
 }
 
-// All processes share this machine's clock, so the truth is 0 and every exchange must contain it.
-void expect_good_clocks(const RealRun& run) {
-    std::map<Role, int> exchanges;
-    for (const ClockRecord& record : read_clock_file(run.out() / "nodes" / "clocks_0ms.csv")) {
-        ++exchanges[record.node];
-        EXPECT_LE(record.exchange.low(), Duration{}) << to_string(record.node);
-        EXPECT_GE(record.exchange.high(), Duration{}) << to_string(record.node);
-    }
-    for (const Role node : kNodeRoles) EXPECT_GE(exchanges[node], 3) << to_string(node);
-    const auto summary = nlohmann::json::parse(read_text(run.out() / "summary.json"));
-    EXPECT_THAT(summary["sections"].back().dump(), testing::HasSubstr("\"Clocks\""));
-    EXPECT_THAT(summary["provenance"]["clock daemon"], testing::HasSubstr("chrony"));
-}
-
 TEST(WholeRun, AgreesWithVirtualTimeWithoutDelay) {
     SessionFile session;
     session.modalities = R"(["HF", "VF"])";
@@ -114,10 +100,37 @@ TEST(WholeRun, AgreesWithVirtualTimeWithoutDelay) {
     const auto rows = run.rows();
     ASSERT_EQ(rows.size(), 2U);
     expect_like_virtual_time(rows, run.out());
-    expect_good_clocks(run);
     for (const TrialRow& row : rows) EXPECT_FALSE(std::isnan(row.metrics.oscillation_rms_m));
     EXPECT_FALSE(rows[0].metrics.oscillates) << "HF without delay must settle";
     EXPECT_LT(rows[0].metrics.penetration_max_m, rows[1].metrics.penetration_max_m);
+}
+
+// Every node reads the same [control]; waves go there and back, and no node refuses any.
+TEST(RunInLockStep, WavesGoBetweenRealProcesses) {
+    SessionFile session;
+    session.delays_s = "[0.02]";
+    session.more = "[control]\ncompensator = \"wave\"\nwave_jitter_s = 0.02\n";
+    RealRun run(session, kLockStep);
+    ASSERT_EQ(run.end(), 0) << run.words();
+    const TrialRow row = run.only_row();
+    expect_on_disk(run, row);
+    for (const char* program : kNodePrograms) expect_report(run.report(program, 20), program);
+}
+
+// Clocks in a real run: all processes share this machine's clock, so the truth is 0 and every exchange must contain it.
+TEST(ClocksOfARun, EveryExchangeContainsTheTruth) {
+    RealRun run(SessionFile{});
+    ASSERT_EQ(run.end(), 0) << run.words();
+    std::map<Role, int> exchanges;
+    for (const ClockRecord& record : read_clock_file(run.out() / "nodes" / "clocks_0ms.csv")) {
+        ++exchanges[record.node];
+        EXPECT_LE(record.exchange.low(), Duration{}) << to_string(record.node);
+        EXPECT_GE(record.exchange.high(), Duration{}) << to_string(record.node);
+    }
+    for (const Role node : kNodeRoles) EXPECT_GE(exchanges[node], 3) << to_string(node);
+    const auto summary = nlohmann::json::parse(read_text(run.out() / "summary.json"));
+    EXPECT_THAT(summary["sections"].back().dump(), testing::HasSubstr("\"Clocks\""));
+    EXPECT_THAT(summary["provenance"]["clock daemon"], testing::HasSubstr("chrony"));
 }
 
 }  // namespace

@@ -18,17 +18,14 @@ constexpr const char* kShort =
 
 class StepThrough : public testing::Test {
   protected:
-    std::vector<std::string> arguments(const std::string& text, const std::string& how,
-                                       const std::string& out) const {
-        return words_in(fmt::format("run {} --clock {} --out {} --base-port {}",
-                                    folder_.write("session.toml", text).string(), how,
-                                    (folder_ / out).string(), ports_.base()));
+    std::vector<std::string> arguments(const std::string& text, const std::string& out) const {
+        return words_in(fmt::format("run {} --clock lock-step --out {} --base-port {}",
+                                    folder_.write("session.toml", text).string(), (folder_ / out).string(),
+                                    ports_.base()),
+                        {"--step"});
     }
     Child start(const std::string& text) const {
-        return {built_programs() / "thimble",
-                arguments(text, "lock-step --step", "out"),
-                folder_ / "words",
-                {typing_.input()}};
+        return {built_programs() / "thimble", arguments(text, "out"), folder_ / "words", {typing_.input()}};
     }
     std::string words() const { return read_text(folder_ / "words"); }
     bool says(const std::string& text) const {
@@ -57,7 +54,9 @@ TEST_F(StepThrough, ChangesNoByteAndNamesEachProgramsPid) {
     EXPECT_EQ(child.wait(2 * kPatience), 0) << words();
     EXPECT_THAT(words(), HasSubstr(", is next"));
     EXPECT_THAT(words(), HasSubstr("at 1.5"));
-    ASSERT_EQ(run_thimble(arguments(kShort, "virtual", "plain")).code, 0);
+    std::vector<std::string> plain = arguments(kShort, "plain");
+    plain.pop_back();
+    ASSERT_EQ(run_thimble(plain).code, 0);
     EXPECT_EQ(read_text(folder_ / "out/trials.csv"), read_text(folder_ / "plain/trials.csv"));
     const std::string trajectory = "trajectories/trial01_HF_50ms.csv";
     EXPECT_EQ(read_text(folder_ / "out" / trajectory), read_text(folder_ / "plain" / trajectory));
@@ -70,6 +69,15 @@ TEST_F(StepThrough, EndsWithQAsWithCtrlC) {
     EXPECT_THAT(words(), HasSubstr("interrupted; finished trials are kept"));
     EXPECT_EQ(only_row().reason, EndReason::kInterrupted);
     EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
+}
+
+TEST_F(StepThrough, IsOfLockStepAlone) {
+    const std::string file = folder_.write("session.toml", kShort).string();
+    for (const char* clock : {"wall", "virtual"}) {
+        const Outcome outcome = run_thimble({"run", file, "--clock", clock, "--step"});
+        EXPECT_EQ(outcome.code, 2);
+        EXPECT_THAT(outcome.words, HasSubstr("--step needs --clock lock-step"));
+    }
 }
 
 // The stop waits at the door while the run pauses.

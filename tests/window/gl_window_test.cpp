@@ -35,6 +35,30 @@ TEST(GlWindow, SaysThatTheScreenDoesNotAnswer) {
 
 using GlWindowOnAScreen = OnAScreen;
 
+TEST_F(GlWindowOnAScreen, ReadsBackWhatItCleared) {
+    GlWindow window{WindowSettings{}};
+    window.begin_frame({255, 128, 0});
+    const Image image = window.read_pixels();
+    window.end_frame();
+    ASSERT_EQ(image.width, 800);
+    ASSERT_EQ(image.height, 600);
+    for (const int x : {0, 399, 799}) {
+        const Rgb colour = image.at(x, x % 600);
+        EXPECT_EQ(colour, (Rgb{255, 128, 0}));
+    }
+}
+
+TEST_F(GlWindowOnAScreen, GrowsWithTheContentScale) {
+    WindowSettings settings;
+    settings.width = 400;
+    settings.height = 300;
+    settings.content_scale = 2;
+    GlWindow window{settings};
+    EXPECT_EQ(window.width(), 800);
+    EXPECT_EQ(window.height(), 600);
+    EXPECT_EQ(window.content_scale(), 2);
+}
+
 TEST_F(GlWindowOnAScreen, TellsItsNewSize) {
     GlWindow window{WindowSettings{}};
     glfwSetWindowSize(window.handle(), 1000, 500);

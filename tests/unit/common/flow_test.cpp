@@ -38,12 +38,20 @@ class InboundFlowTest : public testing::Test {
     bool admits(Bytes datagram) { return flow.admit(now, datagram) != nullptr; }
     std::uint64_t refused(Refusal refusal) const { return flow.counters().of(refusal); }
 
-    Speaker master, other{{8, at(seconds{1}), 100, 3, Role::kMaster}, {}};
-    // Its clock and numbers begin anew.
-    Speaker restarted{{8, at(milliseconds{1}), 1, 3, Role::kMaster}, {}};
+    Speaker master;
     InboundFlow flow{Role::kMaster};
     SessionTime now = at(seconds{10});
 };
+
+TEST_F(InboundFlowTest, AdmitsTheExpectedSender) {
+    const Message* message = flow.admit(now, master.say(NeedleCommand{0.5, 0, 0, 0, 0, 0}));
+    ASSERT_NE(message, nullptr);
+    EXPECT_EQ(std::get<NeedleCommand>(message->body).position_needle_m, 0.5);
+    EXPECT_EQ(message->header.sequence, 100U);
+    EXPECT_EQ(flow.last_accepted(), now);
+    EXPECT_EQ(flow.counters().accepted, 1U);
+    EXPECT_EQ(flow.counters().refused_total(), 0U);
+}
 
 // Sequences in the order of their arrival, and why they are refused.
 TEST_F(InboundFlowTest, NewestWinsAndDuplicatesAreCounted) {
@@ -91,6 +99,8 @@ TEST_F(InboundFlowTest, StampsMayRestButNotGoBack) {
 }
 
 TEST_F(InboundFlowTest, ASecondSenderIsLockedOut) {
+    Speaker other;
+    other.header.instance = 8;
     ASSERT_TRUE(admits(master.numbered(100)));
     now += seconds{1};  // exactly the limit
     EXPECT_FALSE(admits(other.numbered(5000)));
@@ -99,6 +109,9 @@ TEST_F(InboundFlowTest, ASecondSenderIsLockedOut) {
 }
 
 TEST_F(InboundFlowTest, ARestartedSenderGetsInAfterASecondOfSilence) {
+    Speaker restarted;
+    restarted.header.instance = 8;
+    restarted.header.send_time = at(milliseconds{1});  // its clock and numbers begin anew
     ASSERT_TRUE(admits(master.numbered(100)));
     now += seconds{1} + Duration{1};
     EXPECT_TRUE(admits(restarted.numbered(1)));
@@ -109,6 +122,8 @@ TEST_F(InboundFlowTest, ARestartedSenderGetsInAfterASecondOfSilence) {
 
 // A stranger who keeps knocking must not keep the seat warm for himself, nor for the one who left.
 TEST_F(InboundFlowTest, RefusedMessagesAreNoSignOfLife) {
+    Speaker other;
+    other.header.instance = 8;
     ASSERT_TRUE(admits(master.numbered(100)));
     const SessionTime heard = now;
     for (int i = 0; i < 10; ++i) {
@@ -124,6 +139,9 @@ TEST_F(InboundFlowTest, RefusedMessagesAreNoSignOfLife) {
 
 // A program that was restarted between two trials need not wait, whatever its clock and numbers are now.
 TEST_F(InboundFlowTest, ATrialBelongsToWhoSpeaksFirstInIt) {
+    Speaker restarted;
+    restarted.header.instance = 8;
+    restarted.header.send_time = at(milliseconds{1});
     ASSERT_TRUE(admits(master.numbered(100)));
     now += milliseconds{10};
     flow.expect_from(now);

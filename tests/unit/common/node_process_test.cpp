@@ -31,6 +31,14 @@ TEST_F(NodeProcessTest, WakesForItsWorkToo) {
     EXPECT_EQ(process.works, before + 1);
 }
 
+TEST_F(NodeProcessTest, StartsAndAcknowledgesAtOnce) {
+    order(ControlKind::kTrialStart, 5);
+    tick(milliseconds{7});
+    EXPECT_EQ(process.said, Said{"begin 5 CF"});
+    EXPECT_EQ(process.state(), NodeState::kRunning);
+    expect_heartbeat(5, NodeState::kRunning);
+}
+
 struct GivenOrder {
     ControlKind kind;
     std::uint32_t trial;

@@ -16,7 +16,23 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 CutaneousSettings lagging(Duration dead_time, Duration time_constant) {
-    return {.dead_time = dead_time, .time_constant = time_constant};
+    CutaneousSettings settings;
+    settings.dead_time = dead_time;
+    settings.time_constant = time_constant;
+    return settings;
+}
+
+TEST(SimulatedActuator, DeadTimeIsExactToTheNanosecond) {
+    SimulatedActuator actuator{CutaneousSettings{}};
+    const SessionTime sent = at(milliseconds{7});
+    actuator.command(sent, Finger::kIndex, 0.8);
+    const FingertipForce before = actuator.output(sent + milliseconds{45} - Duration{1});
+    EXPECT_EQ(before.finger, Finger::kNone);
+    EXPECT_EQ(before.force_N, 0);
+    const FingertipForce after = actuator.output(sent + milliseconds{45});
+    EXPECT_EQ(after.finger, Finger::kIndex);
+    EXPECT_EQ(after.force_N, 0.8);
+    EXPECT_EQ(after.sample_time, sent);
 }
 
 TEST(SimulatedActuator, FollowsIrregularCommandsInOrder) {

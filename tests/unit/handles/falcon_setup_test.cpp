@@ -36,6 +36,12 @@ TEST_F(FalconSetup, ARunningFirmwareAnswers) {
     EXPECT_TRUE(device.commanded.homing);
 }
 
+TEST_F(FalconSetup, LoadsWhatItIsGiven) {
+    load_falcon_firmware(link, image);
+    EXPECT_EQ(device.loaded, image);
+    EXPECT_TRUE(falcon_answers(link));
+}
+
 TEST_F(FalconSetup, AGreetingAfterAZeroOrAfterPiecesOfOthersIsUnderstood) {
     device.zero_before_greeting = true;
     EXPECT_NO_THROW(load_falcon_firmware(link, image));

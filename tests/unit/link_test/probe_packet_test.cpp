@@ -16,8 +16,17 @@ namespace thimble {
 namespace {
 
 ProbePacket sample() {
-    constexpr auto ns = from_nanoseconds;
-    return {ProbeKind::kEcho, 14, 0x1122334455667788, 5, 6, 7, 8, 9, ns(10), ns(11), ns(12)};
+    return {ProbeKind::kEcho,
+            14,
+            0x1122334455667788,
+            5,
+            6,
+            7,
+            8,
+            9,
+            from_nanoseconds(10),
+            from_nanoseconds(11),
+            from_nanoseconds(12)};
 }
 
 std::vector<std::uint8_t> bytes_of(const ProbePacket& packet, std::size_t size = 104) {
@@ -82,6 +91,14 @@ TEST(ProbePacket, RandomBytesBehindAGoodStartAreReadOrRefused) {
     }
     EXPECT_GT(read_ones, 1000);
     EXPECT_LT(read_ones, 99'000);
+}
+
+TEST(ArrivalCounter, CountsWhatCame) {
+    ArrivalCounter counter;
+    for (const std::uint32_t n : {1U, 2U, 4U, 3U, 4U, 2U, 7U}) counter.add(n);
+    EXPECT_EQ(counter.distinct(), 5U);
+    EXPECT_EQ(counter.duplicates(), 2U);
+    EXPECT_EQ(counter.reordered(), 1U);
 }
 
 TEST(ArrivalCounter, GoesOnAcrossTheWrapAndAfterAGap) {

@@ -45,6 +45,23 @@ TEST(LinkQueue, DatagramStaysValidUntilTheNextPush) {
     EXPECT_EQ(number_of(second), 2U);
 }
 
+TEST(LinkQueue, DropsTheNewestWhenFull) {
+    for (const bool in_order : {true, false}) {
+        LinkModel link({.delay = milliseconds{10}, .in_order = in_order, .capacity = 3}, kKey, 0);
+        for (std::uint32_t i = 0; i < 5; ++i) link.push(at({}), NumberedPacket(i).bytes());
+        EXPECT_EQ(link.in_flight(), 3U);
+        auto arrivals = drained(link);
+        link.push(at(milliseconds{10}), NumberedPacket(5).bytes());
+        drain(link, at(milliseconds{20}), arrivals);
+        EXPECT_EQ(arrivals, (std::vector<Arrival>{{0, at(milliseconds{10})},
+                                                  {1, at(milliseconds{10})},
+                                                  {2, at(milliseconds{10})},
+                                                  {5, at(milliseconds{20})}}));
+        EXPECT_EQ(link.counters().overflowed, 2U);
+        EXPECT_EQ(link.counters().delivered, 4U);
+    }
+}
+
 TEST(LinkQueue, RefusesWhatIsNoDatagram) {
     LinkModel link({}, kKey, 0);
     link.push(at({}), std::vector<std::uint8_t>(kLargestDatagramBytes + 1));

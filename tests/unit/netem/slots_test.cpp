@@ -32,18 +32,26 @@ TEST(Slots, PacketsWaitForTheNextOne) {
 
 TEST(Slots, TakeNoMoreThanTheirLimits) {
     Slots by_packets = slots_of({.least = milliseconds{10}, .most = milliseconds{10}, .packets = 2});
-    for (int i = 0; i < 6; ++i) {
-        EXPECT_EQ(by_packets.opening({}, {}, 200), i / 2 * milliseconds{10}) << i;
-        by_packets.take(200);
-    }
     Slots by_bytes = slots_of({.least = milliseconds{10}, .most = milliseconds{10}, .bytes = 500});
-    // A packet that is larger than any slot has one for itself.
-    const std::pair<std::size_t, int> expected[]{{200, 0},   {200, 0},  {200, 10}, {200, 10},
-                                                 {9000, 20}, {250, 30}, {250, 30}, {1, 40},
-                                                 {499, 40},  {500, 50}, {1, 60},   {500, 70}};
+    for (int i = 0; i < 6; ++i) {
+        const Duration expected = i / 2 * milliseconds{10};
+        EXPECT_EQ(by_packets.opening({}, {}, 200), expected);
+        EXPECT_EQ(by_bytes.opening({}, {}, 200), expected);
+        by_packets.take(200);
+        by_bytes.take(200);
+    }
+    EXPECT_EQ(by_bytes.opening({}, {}, 9000), milliseconds{30});  // larger than any slot: one for itself
+    by_bytes.take(9000);
+    EXPECT_EQ(by_bytes.opening({}, {}, 1), milliseconds{40});
+}
+
+TEST(Slots, AreFullAtExactlyTheirBytes) {
+    Slots slots = slots_of({.least = milliseconds{10}, .most = milliseconds{10}, .bytes = 500});
+    const std::pair<std::size_t, int> expected[]{{250, 0},  {250, 0}, {1, 10},  {499, 10},
+                                                 {500, 20}, {1, 30},  {500, 40}};
     for (const auto& [bytes, slot_ms] : expected) {
-        EXPECT_EQ(by_bytes.opening({}, {}, bytes), milliseconds{slot_ms}) << bytes;
-        by_bytes.take(bytes);
+        EXPECT_EQ(slots.opening({}, {}, bytes), milliseconds{slot_ms});
+        slots.take(bytes);
     }
 }
 
@@ -74,6 +82,7 @@ TEST(Slots, GapsLieWithinTheirRangeAndVary) {
     EXPECT_NEAR(sum_s / 20'000, 0.0054, 4 * 0.0092 / std::sqrt(12 * 20'000.0));
 }
 
+// The grid is the same for every caller at any time.
 TEST(Slots, HaveTheShapeThatIsAsked) {
     for (const JitterShape shape : {JitterShape::kNormal, JitterShape::kPareto}) {
         Slots slots =

@@ -54,6 +54,20 @@ class AgendaTest : public testing::Test {
     ProtocolSettings settings_;
 };
 
+TEST_F(AgendaTest, TheOrderIfNothingHappens) {
+    play("1 2 3 4 5");
+    EXPECT_FALSE(agenda_.next(settings_).has_value());
+    EXPECT_EQ(agenda_.begun(), 5U);
+}
+
+TEST_F(AgendaTest, ARepeatNamesItsRecordAndReason) {
+    play("1 2r 3");
+    const auto step = agenda_.next(settings_);
+    ASSERT_TRUE(step.has_value());
+    EXPECT_EQ(step->repeat_of, 2U);
+    EXPECT_EQ(step->reason, "because");
+}
+
 TEST_F(AgendaTest, EachScriptIsWhatComes) {
     struct Case {
         const char* why;

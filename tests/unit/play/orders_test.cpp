@@ -172,6 +172,11 @@ class PlayHandlerTest : public testing::Test {
     SessionTime now = at(seconds{1});
 };
 
+TEST_F(PlayHandlerTest, TheFirstTrialBeginsByItselfOnce) {
+    EXPECT_EQ(handler.take_due(now), Modality::kVF);
+    EXPECT_FALSE(handler.take_due(now));
+}
+
 TEST_F(PlayHandlerTest, ACompletedTrialIsFollowedByAnotherAfterAPause) {
     handler.take_due(now);
     end_trial(EndReason::kCompleted, Modality::kCF);

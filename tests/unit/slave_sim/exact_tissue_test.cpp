@@ -23,6 +23,36 @@ using Phases = std::vector<TissuePhase>;
 
 constexpr double kRest_m = 0.020;
 
+TEST(ExactTissue, ForceResistsWhatTheNeedleDoes) {
+    ExactTissue tissue{TissueParameters{}};
+    Transitions events;
+    tissue.reset(kRest_m - 0.001);
+    tissue.advance(0.2, kRest_m + 0.001, events);  // 10 mm/s: f = 0.052 N at the end
+    EXPECT_EQ(phases(events), Phases{kContact});
+    EXPECT_NEAR(tissue.state().force_N, -(2 * 0.001 + 5 * 0.01), 1e-12);
+    EXPECT_NEAR(tissue.state().position_surface_m, kRest_m + 0.001, 1e-17);
+
+    tissue.reset(kRest_m + 0.05);
+    tissue.advance(0.1, kRest_m + 0.06, events);
+    EXPECT_EQ(tissue.state().phase, kPenetrated);
+    EXPECT_LT(tissue.state().force_N, 0);  // deeper: pushed out
+    tissue.advance(0.1, kRest_m + 0.05, events);
+    EXPECT_GT(tissue.state().force_N, 0);  // out: held back
+}
+
+TEST(ExactTissue, PullingLetsGoOfTheSurface) {
+    ExactTissue tissue{TissueParameters{}};
+    Transitions events;
+    tissue.reset(kRest_m);
+    tissue.advance(4, kRest_m + 0.02, events);
+    events.clear();
+    tissue.advance(0.1, kRest_m + 0.018, events);  // f = 0.036..0.04 - 0.1 < 0 at once
+    ASSERT_EQ(phases(events), Phases{kFree});
+    EXPECT_EQ(events[0].offset_s, 0);
+    EXPECT_EQ(tissue.state().force_N, 0);
+    EXPECT_GT(tissue.state().position_surface_m, kRest_m + 0.018);
+}
+
 // The release lies inside the step; the surface leaves with f just below zero and must not come straight
 // back.
 TEST(ExactTissue, ReleaseInsideAStepIsOneEvent) {

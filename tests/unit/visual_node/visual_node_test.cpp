@@ -217,6 +217,17 @@ TEST(VisualNode, TouchingIsSeen) {
         EXPECT_TRUE(scene_of(feedback(0.099, 0.1, 0, phase), Modality::kHF).touching);
 }
 
+TEST(VisualNode, ShowsTheNewestFeedback) {
+    VisualNode node = started(Modality::kHF);
+    EXPECT_FALSE(node.frame(node.next_frame()).has_value()) << "nothing to show yet";
+    const SessionTime now = node.next_frame();
+    give(node, now - milliseconds{2}, feedback(0.01, 0.1));
+    give(node, now - milliseconds{1}, feedback(0.02, 0.1));
+    const Scene scene = node.frame(now).value();
+    EXPECT_EQ(scene.position_needle_m, 0.02);
+    EXPECT_EQ(scene.sample_time, now - milliseconds{1});
+}
+
 TEST(VisualNode, ThePictureComesBeforeTheFirstForceAndTheBarWithIt) {
     VisualNode node = started(Modality::kVF, at(seconds{1}), {.stale = {StaleMode::kZero, milliseconds{1}}});
     const SessionTime first = node.next_frame();

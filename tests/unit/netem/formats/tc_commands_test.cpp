@@ -38,6 +38,7 @@ TEST(TcCommands, AQdiscIsTheWayUpUnlessItSaysBoth) {
     const TcWays both = parse_tc("delay 100ms both");
     EXPECT_EQ(both.up, both.down);
     EXPECT_FALSE(both.one_way);
+    EXPECT_EQ(load_profile("delay 100ms").down, LinkSettings{});
     EXPECT_EQ(load_profile("delay 100ms both").down.delay, milliseconds{100});
 }
 

@@ -21,6 +21,10 @@ using testing::IsEmpty;
 
 LinkSettings parsed_words(std::string_view words) { return parse_tc(words).up; }
 
+std::string tc_refusal_of(std::string_view words) {
+    return refusal([&] { parse_tc(words); }, ExitCode::kUsage);
+}
+
 TEST(TcWords, DelayHasTheUnitsOfTc) {
     for (const auto& [words, delay] :
          std::vector<std::pair<std::string, Duration>>{{"delay 50ms", milliseconds{50}},
@@ -35,6 +39,13 @@ TEST(TcWords, DelayHasTheUnitsOfTc) {
         EXPECT_EQ(parsed_words(words).delay, delay) << words;
         EXPECT_EQ(parsed_words(words).jitter.shape, JitterShape::kNone) << words;
     }
+}
+
+TEST(TcWords, JitterIsUniformWithoutADistribution) {
+    const LinkSettings link = parsed_words("delay 50ms 10ms 25%");
+    EXPECT_EQ(link.jitter.shape, JitterShape::kUniform);
+    EXPECT_EQ(link.jitter.spread, milliseconds{10});
+    EXPECT_EQ(link.jitter.correlation, 0.25);
 }
 
 // The kernel queues by the time of leaving; with a rate it counts from the packet in front.
@@ -120,8 +131,10 @@ TEST(TcWords, TheQueueHoldsWhatTheDelayNeeds) {
 }
 
 TEST(TcWords, AWholeCommandMayBePasted) {
+    EXPECT_EQ(parsed_words("tc qdisc add dev eth0 root netem delay 50ms"), parsed_words("delay 50ms"));
     EXPECT_EQ(parsed_words(""), LinkSettings{});
     EXPECT_TRUE(looks_like_tc_words("delay 50ms"));
+    EXPECT_TRUE(looks_like_tc_words("tc qdisc add dev eth0 root netem loss 1%"));
     EXPECT_FALSE(looks_like_tc_words("leo"));
     EXPECT_FALSE(looks_like_tc_words("my file.toml"));
 }
@@ -158,8 +171,7 @@ TEST(TcWords, RefusalsSayWhatAndWhy) {
         {"slot distribution 1ms 1ms", "must be uniform"},
         {"tc qdisc add dev eth0 root tbf rate 1mbit", "no \"netem\""},
         {std::string(70000, 'x'), "characters"}};
-    for (const auto& [words, why] : cases)
-        EXPECT_THAT(refusal([&, &tc = words] { parse_tc(tc); }, ExitCode::kUsage), HasSubstr(why)) << words;
+    for (const auto& [words, reason] : cases) EXPECT_THAT(tc_refusal_of(words), HasSubstr(reason)) << words;
 }
 
 TEST(TcUnits, RatesAndSizesAreTcs) {
