@@ -18,6 +18,13 @@ bool may_release(Role role) { return role == Role::kSession || role == Role::kEx
 
 }  // namespace
 
+// Takes all memory now: a tick takes none.
+StopBus::StopBus(Role role, std::uint64_t instance)
+    : role_(role), instance_(instance), out_(role, instance, {}) {
+    releasing_.reserve(kHeld);
+    held_.reserve(kHeld);
+}
+
 void StopBus::connect(Channel& in, const StopOutlets& out) {
     in_ = &in;
     out_ = OutboundFlow(role_, instance_, {out[0], out[1], out[2], out[3], out[4], out[5]});
@@ -84,6 +91,11 @@ void StopBus::hold(SessionTime now, Role sender, const StopOrder& order) {
     next_ = std::min(next_, next_passed_on_);
 }
 
+bool StopBus::released(std::uint64_t id) const {
+    const auto end = released_.begin() + static_cast<std::ptrdiff_t>(std::min(released_count_, kRemembered));
+    return std::find(released_.begin(), end, id) != end;
+}
+
 // The list is full: the two newest stops become one with a new number, which no earlier release can name.
 void StopBus::make_room(SessionTime now) {
     held_.pop_back();
@@ -93,7 +105,7 @@ void StopBus::make_room(SessionTime now) {
 
 // A second press in the meantime is a stop of its own: the release does not name it.
 void StopBus::release_one(SessionTime now, std::uint64_t id) {
-    if (!released(id)) released_.push_back(id);
+    if (!released(id)) released_[released_count_++ % kRemembered] = id;
     if (const auto found = find(id); found != held_.end()) {
         last_ = *found;
         held_.erase(found);

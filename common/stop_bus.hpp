@@ -14,9 +14,7 @@
 #include <array>
 #include <cstddef>
 #include <string_view>
-
-#include <boost/circular_buffer.hpp>
-#include <boost/container/static_vector.hpp>
+#include <vector>
 
 #include "common/flow.hpp"
 #include "common/messages.hpp"
@@ -42,7 +40,7 @@ using StopOutlets = std::array<Channel*, 6>;
 class StopBus {
   public:
     // `instance`: random per process start.
-    StopBus(Role role, std::uint64_t instance) : role_(role), instance_(instance), out_(role, instance, {}) {}
+    StopBus(Role role, std::uint64_t instance);
     // `in`: this program's inlet; `out`: outlets to the others, its own may be among them. All outlive the bus.
     // Without it a stop holds in this program only.
     void connect(Channel& in, const StopOutlets& out);
@@ -90,21 +88,20 @@ class StopBus {
     auto find(std::uint64_t id) {
         return std::find_if(held_.begin(), held_.end(), [id](const Held& one) { return one.order.id == id; });
     }
-    bool released(std::uint64_t id) const {
-        return std::find(released_.begin(), released_.end(), id) != released_.end();
-    }
+    bool released(std::uint64_t id) const;
     std::uint64_t new_id();
 
     Role role_;
     std::uint64_t instance_;
     std::uint64_t made_ = 0;
     OutboundFlow out_;
-    Held last_;                                                    // that was released
-    boost::circular_buffer<std::uint64_t> released_{kRemembered};  // stops
+    Held last_;                                          // that was released
+    std::array<std::uint64_t, kRemembered> released_{};  // stops: the last ones of released_count_
+    std::size_t released_count_ = 0;
     StopOrder own_;
-    bool saying_ = false;          // own_
-    SessionTime pressed_until_{};  // again, while saying; plus kPressedLately
-    boost::container::static_vector<std::uint64_t, kHeld> releasing_;  // stops
+    bool saying_ = false;                   // own_
+    SessionTime pressed_until_{};           // again, while saying; plus kPressedLately
+    std::vector<std::uint64_t> releasing_;  // stops
     int releases_left_ = 0;
     SessionTime next_passed_on_ = kNever;
     SessionTime next_reminder_{}, next_answer_{};
@@ -113,7 +110,7 @@ class StopBus {
     FlowCounters counters_;
     Message message_;
     // Last: each tick reads these, and how many are held.
-    boost::container::static_vector<Held, kHeld> held_;  // oldest first
+    std::vector<Held> held_;  // oldest first
     Channel* in_ = nullptr;
     SessionTime next_ = kNever;
 };

@@ -71,7 +71,7 @@ struct MessageLog::Writing {
     Message message;
 };
 
-MessageLog::MessageLog() : queue_(kQueueBytes), stop_(eventfd(0, EFD_CLOEXEC)) {
+MessageLog::MessageLog() : queue_(std::make_unique<ByteQueue>(kQueueBytes)), stop_(eventfd(0, EFD_CLOEXEC)) {
     if (stop_ < 0)
         throw Error(ExitCode::kRunFailed,
                     "cannot make an event descriptor for the log: too many open files?");
@@ -91,7 +91,7 @@ std::uint16_t MessageLog::add_flow(Port port, const char* direction) {
 Channel* MessageLog::tap(Channel& channel, Port sent_to, Port received_at) {
     const std::uint16_t sent = add_flow(sent_to, "sent");
     const std::uint16_t received = add_flow(received_at, "received");
-    taps_.push_back(std::make_unique<TappedChannel>(channel, queue_, sent, received, granted_));
+    taps_.push_back(std::make_unique<TappedChannel>(channel, *queue_, sent, received, granted_));
     return taps_.back().get();
 }
 
@@ -171,7 +171,9 @@ void MessageLog::turn(bool flushes) {
         if (!failed_) {
             for (const LogNote& note : notes) writing_->writer.add_metadata(note.name, note.pairs);
         }
-        queue_.drain([this](const ByteQueue::Entry& entry, Bytes bytes) { write_message(entry, bytes); });
+        queue_->drain([this](const ByteQueue::Entry& entry, Bytes bytes) {
+            write_message(entry.tag, entry.time_ns, bytes);
+        });
         if (!failed_ && flushes) writing_->writer.flush();
         if (!failed_ && flushes) say_overflow(false);
     } catch (const Error& error) {
@@ -180,7 +182,7 @@ void MessageLog::turn(bool flushes) {
 }
 
 void MessageLog::say_overflow(bool now) {
-    const std::uint64_t lost = queue_.lost();
+    const std::uint64_t lost = queue_->lost();
     const bool due = turns_++ % kTurnsPerTelling == 0;
     if (lost == told_lost_ || !(due || now)) return;
     writing_->writer.add_metadata("overflow", {{"messages_lost", std::to_string(lost)},
@@ -188,7 +190,7 @@ void MessageLog::say_overflow(bool now) {
     told_lost_ = lost;
 }
 
-void MessageLog::write_message(const ByteQueue::Entry& entry, Bytes bytes) {
+void MessageLog::write_message(std::uint16_t tag, std::int64_t time_ns, Bytes bytes) {
     if (failed_) {
         ++dropped_;
         return;
@@ -197,7 +199,7 @@ void MessageLog::write_message(const ByteQueue::Entry& entry, Bytes bytes) {
     const std::optional<Refusal> refusal = decode_into(bytes, writing_->message);
     const bool readable = !refusal || refusal == Refusal::kNotOneBody || refusal == Refusal::kNotFinite ||
                           refusal == Refusal::kOutOfRange;
-    LoggedFlow& flow = flows_[entry.tag];
+    LoggedFlow& flow = flows_[tag];
     int& channel = readable ? flow.channel : flow.unreadable;
     if (channel < 0) {
         const std::string topic =
@@ -207,7 +209,7 @@ void MessageLog::write_message(const ByteQueue::Entry& entry, Bytes bytes) {
     }
     McapMessage message;
     message.channel = static_cast<std::uint16_t>(channel);
-    message.log_time_ns = message.publish_time_ns = static_cast<std::uint64_t>(entry.time_ns);
+    message.log_time_ns = message.publish_time_ns = static_cast<std::uint64_t>(time_ns);
     if (readable) {
         message.sequence = writing_->message.header.sequence;
         message.publish_time_ns =
@@ -223,7 +225,7 @@ void MessageLog::write_message(const ByteQueue::Entry& entry, Bytes bytes) {
     writer.add_message(message);
 }
 
-std::uint64_t MessageLog::lost() const { return queue_.lost() + dropped_ + writing_->writer.forgotten(); }
+std::uint64_t MessageLog::lost() const { return queue_->lost() + dropped_ + writing_->writer.forgotten(); }
 
 void MessageLog::fail(const std::string& words) {
     spdlog::error(words);

@@ -12,13 +12,15 @@
 
 #include <boost/core/noncopyable.hpp>
 
-#include "common/log/byte_queue.hpp"
+#include "common/channel.hpp"
 #include "common/log/log_settings.hpp"
 #include "common/log/mcap_bytes.hpp"
 #include "common/log/recorder.hpp"
 #include "common/network_settings.hpp"
 
 namespace thimble {
+
+class ByteQueue;
 
 // A killed program loses what came since; docs/log.md promises 100 ms.
 inline constexpr Duration kLogPeriod = std::chrono::milliseconds{40};
@@ -75,7 +77,7 @@ class MessageLog final : public Recorder, boost::noncopyable {
     void sync_until_stopped(Duration period) const;
     void turn(bool flushes);
     void say_overflow(bool now);
-    void write_message(const ByteQueue::Entry& entry, Bytes bytes);
+    void write_message(std::uint16_t tag, std::int64_t time_ns, Bytes bytes);
     void fail(const std::string& words);
     void end();
     std::uint64_t lost() const;
@@ -86,7 +88,7 @@ class MessageLog final : public Recorder, boost::noncopyable {
         int channel = -1, unreadable = -1;  // in the file, once there was a message
     };
     SessionTime granted_ = kNever;  // the wall clock's time holds
-    ByteQueue queue_;
+    std::unique_ptr<ByteQueue> queue_;
     std::vector<LoggedFlow> flows_;
     std::vector<std::unique_ptr<Channel>> taps_;
     std::mutex notes_mutex_;
