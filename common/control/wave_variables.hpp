@@ -6,7 +6,7 @@
 //              a damper, and whatever else pushes:  F = K (x - wall)^+ + b_s (x - x_{k-1}) / h + F_other
 //
 // The slave's end is lossless: F (x_k - x_{k-1}) = h (u^2 - w^2) / 2 whatever F is. The held force of the master
-// leaks a little (0.05 mJ at most in unit_control's CompensatorsGolden). The price of waves is distance:
+// leaks a little (0.05 mJ at most in unit_common's CompensatorsGolden). The price of waves is distance:
 // at a wall with force F and a round-trip delay T, the hand stands F (T + h) / (2b) further than the slave.
 // The wave impedance b is in Ns/m. A hand needs 10 to 50. From b = 2 m / h on, the held damper chatters.
 // A positive F pushes the hand out. SI units, frame: hand.

@@ -12,7 +12,8 @@ using testing::IsEmpty;
 
 BoardValue about(double mean) { return {mean, 0.99 * mean, 1.01 * mean}; }
 
-BoardRow row_of(const std::string& controller, double depth_m, double felt, std::uint32_t oscillating = 0) {
+BoardRow board_row(const std::string& controller, double depth_m, double felt,
+                   std::uint32_t oscillating = 0) {
     BoardRow row;
     row.controller = controller;
     row.codec = "every-sample";
@@ -37,8 +38,8 @@ TEST(Pareto, BetterIsBeyondTheIntervalsAndByMoreThanALeastDifference) {
 }
 
 TEST(Pareto, FrontsFollowEachOther) {
-    const auto ranked =
-        rank_contestants({row_of("stiff", 0.001, 1), row_of("soft", 0.005, 0.2), row_of("deep", 0.006, 0.1)});
+    const auto ranked = rank_contestants(
+        {board_row("stiff", 0.001, 1), board_row("soft", 0.005, 0.2), board_row("deep", 0.006, 0.1)});
     ASSERT_EQ(ranked.size(), 3U);
     EXPECT_EQ(ranked[0].front, 1U);
     EXPECT_EQ(ranked[1].front, 2U);
@@ -48,7 +49,7 @@ TEST(Pareto, FrontsFollowEachOther) {
 }
 
 TEST(Pareto, NoWeightDecidesBetweenDepthAndOscillation) {
-    const auto ranked = rank_contestants({row_of("stiff", 0.001, 1, 20), row_of("stable", 0.005, 0)});
+    const auto ranked = rank_contestants({board_row("stiff", 0.001, 1, 20), board_row("stable", 0.005, 0)});
     EXPECT_EQ(ranked[0].front, 1U);
     EXPECT_EQ(ranked[1].front, 1U);
     EXPECT_EQ(ranked[0].stable_rows, 0U);
@@ -56,9 +57,10 @@ TEST(Pareto, NoWeightDecidesBetweenDepthAndOscillation) {
 }
 
 TEST(Pareto, AContestantWithARowWithoutMeasuresIsNotRanked) {
-    BoardRow crashed = row_of("crashes", 0.001, 1);
+    BoardRow crashed = board_row("crashes", 0.001, 1);
     crashed.status = "signal 11";
-    const auto ranked = rank_contestants({crashed, row_of("crashes", 0.001, 1), row_of("soft", 0.005, 0)});
+    const auto ranked =
+        rank_contestants({crashed, board_row("crashes", 0.001, 1), board_row("soft", 0.005, 0)});
     EXPECT_EQ(ranked[0].front, 0U);
     EXPECT_EQ(ranked[0].failed_rows, 1U);
     EXPECT_EQ(ranked[1].front, 1U);
@@ -66,9 +68,9 @@ TEST(Pareto, AContestantWithARowWithoutMeasuresIsNotRanked) {
 }
 
 TEST(Pareto, SeveralCodecsMakeSeveralContestants) {
-    BoardRow other = row_of("wave", 0.001, 1);
+    BoardRow other = board_row("wave", 0.001, 1);
     other.codec = "deadband";
-    const auto ranked = rank_contestants({row_of("wave", 0.001, 1), other});
+    const auto ranked = rank_contestants({board_row("wave", 0.001, 1), other});
     EXPECT_EQ(ranked[0].name, "wave / every-sample");
     EXPECT_EQ(ranked[1].name, "wave / deadband");
 }

@@ -17,7 +17,7 @@ constexpr auto kOk = Severity::kOk, kNote = Severity::kNote, kWarning = Severity
                kFault = Severity::kFault;
 
 // Findings about a machine. An empty remedy: there is none.
-struct Case {
+struct MachineCase {
     Facts machine;
     Severity severity = kOk;
     const char *says = "", *remedy = "";
@@ -29,8 +29,8 @@ Facts with(Part Facts::*member, std::type_identity_t<Part> value, Facts facts = 
     return facts;
 }
 
-void expect_findings(Diagnosis (*check)(const Facts&), const std::vector<Case>& cases) {
-    for (const Case& one : cases) {
+void expect_findings(Diagnosis (*check)(const Facts&), const std::vector<MachineCase>& cases) {
+    for (const MachineCase& one : cases) {
         const Diagnosis finding = check(one.machine);
         SCOPED_TRACE(one.says + (" | " + finding.says));
         EXPECT_EQ(finding.severity, one.severity);
@@ -324,12 +324,12 @@ TEST(DoctorReport, JsonHasWhatTheTextHas) {
     Facts facts = healthy();
     facts.realtime.granted = false;
     const auto findings = examine(facts);
-    const auto json = to_json(findings);
-    EXPECT_EQ(json["can_run"], true);
-    ASSERT_EQ(json["findings"].size(), findings.size());
+    const auto written = to_json(findings);
+    EXPECT_EQ(written["can_run"], true);
+    ASSERT_EQ(written["findings"].size(), findings.size());
     std::size_t values = 0;
     for (std::size_t i = 0; i < findings.size(); ++i) {
-        const auto& entry = json["findings"][i];
+        const auto& entry = written["findings"][i];
         EXPECT_EQ(entry["name"], findings[i].name);
         EXPECT_EQ(entry["severity"], to_string(findings[i].severity));
         EXPECT_EQ(entry["remedy"], findings[i].remedy);

@@ -178,12 +178,12 @@ TEST(LinkReport, TextAndJsonSayTheSame) {
     EXPECT_THAT(text, HasSubstr("nobody listens at some ports"));
     EXPECT_THAT(text, HasSubstr("1472 bytes (MTU 1500, of this machine's interface)"));
     EXPECT_THAT(text, HasSubstr("HF  fits"));
-    const auto json = to_json(report);
-    EXPECT_EQ(json["ports"][1]["answer"], "nobody listens");
-    EXPECT_EQ(json["largest_datagram_bytes"], 1472);
-    EXPECT_EQ(json["modalities"][0]["verdict"], "fits");
-    EXPECT_TRUE(json["clock"]["offset_s"].is_null());
-    EXPECT_EQ(json["exit_code"], 3);
+    const auto written = to_json(report);
+    EXPECT_EQ(written["ports"][1]["answer"], "nobody listens");
+    EXPECT_EQ(written["largest_datagram_bytes"], 1472);
+    EXPECT_EQ(written["modalities"][0]["verdict"], "fits");
+    EXPECT_TRUE(written["clock"]["offset_s"].is_null());
+    EXPECT_EQ(written["exit_code"], 3);
 }
 
 TEST(PortFinding, EachErrorHasItsMeaning) {
