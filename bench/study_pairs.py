@@ -21,14 +21,17 @@ def user_s():
 
 
 def study(thimble, options, out):
-    """User seconds, simulated seconds of the trials in the table, and the table's bytes."""
+    """User seconds, simulated seconds of all trials, and the bytes of trials.csv."""
     before = user_s()
     done = subprocess.run([thimble, 'study', *options, '--jobs', '1', '--overwrite', '--out', out], capture_output=True, text=True)
     if done.returncode != 0:
         raise SystemExit(f'{thimble} study ended with code {done.returncode}: {done.stderr}')
     spent = user_s() - before
-    with open(out / 'trials.csv', newline='') as table:
-        simulated = sum(float(row['duration_s']) for row in csv.DictReader(table))
+    simulated = 0
+    for name in ('trials.csv', 'no_lag.csv'):  # the second: the control without lag, unless --no-control
+        if (out / name).exists():
+            with open(out / name, newline='') as table:
+                simulated += sum(float(row['duration_s']) for row in csv.DictReader(table))
     return spent, simulated, (out / 'trials.csv').read_bytes()
 
 
@@ -42,6 +45,11 @@ def main():
         words, options = words[:words.index('--')], words[words.index('--') + 1:]
     given = parser.parse_args(words)
     programs = [given.old.resolve(), given.new.resolve()]
+    if given.pairs < 1:
+        parser.error(f'--pairs {given.pairs}: at least 1')
+    for program in programs:
+        if not program.is_file():
+            parser.error(f'{program}: there is no such program')
     runs = [[], []]
     with tempfile.TemporaryDirectory() as folder:
         for pair in range(given.pairs):

@@ -9,6 +9,7 @@
 
 #include "common/codec.hpp"
 #include "common/error.hpp"
+#include "common/log/byte_queue.hpp"
 #include "common/log/mcap_writer.hpp"
 #include "common/runtime/log/log_file.hpp"
 #include "common/runtime/log/tapped_channel.hpp"

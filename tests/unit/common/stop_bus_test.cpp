@@ -187,6 +187,27 @@ TEST(StopBus, AMergedStopIsAsYoungAsTheMerge) {
     EXPECT_FALSE(session.stopped());
 }
 
+// A late stop is refused by the number of its release, and the oldest of 129 makes room.
+TEST(StopBus, TheLast128ReleasesAreRemembered) {
+    Party party;
+    const auto send = [&](std::uint64_t id, StopKind kind) {
+        party.send(1, StopOrder(id, kind, EndReason::kEmergencyStop, "late"));
+        party.tick(party.now.time_since_epoch() + milliseconds{1});
+    };
+    for (std::uint64_t id = 1; id <= 128; ++id) send(id, StopKind::kRelease);
+    for (const std::uint64_t id : {1, 128}) {
+        send(id, StopKind::kStop);
+        EXPECT_FALSE(party.of(1).stopped()) << id;
+    }
+    send(129, StopKind::kRelease);
+    for (const std::uint64_t id : {2, 129}) {
+        send(id, StopKind::kStop);
+        EXPECT_FALSE(party.of(1).stopped()) << id;
+    }
+    send(1, StopKind::kStop);
+    EXPECT_TRUE(party.of(1).stopped());
+}
+
 // More stops at once than the list holds: all act, and repeated releases end all of them.
 TEST(StopBus, ManyStopsAtOnce) {
     Party party;
