@@ -138,8 +138,7 @@ class LockStepSession final : public SteppedSession {
         own_bit_ = loop_.add(*own_);
         granted_.reserve(kNodes.size());
         mail_.wake(Role::kSession, own_bit_);
-        for (const Role role :
-             {Role::kMaster, Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual})
+        for (const Role role : kTickOrder)
             granted_.push_back(std::make_unique<GrantedProcess>(role, nodes_.of(index_of(role)), mail_));
         for (const auto& node : granted_) node->begin(nodes_.plan().answer_limit);
         for (const auto& node : granted_) {

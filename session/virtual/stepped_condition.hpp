@@ -2,6 +2,7 @@
 // Its files are written by the code that writes them in real time (condition_files.hpp).
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -34,6 +35,11 @@ inline std::uint64_t granted_instance(Role role) {
     RandomStream stream({0, 0, 0, static_cast<std::uint32_t>(role), Purpose::kInstance});
     return stream();
 }
+
+// Which node of those that are due at the same time runs first; the session runs before them. slave_sim is last: its picture waits until
+// netem has brought its force, so that a node hears both in one tick.
+inline constexpr std::array kTickOrder{Role::kMaster, Role::kNetem, Role::kCutaneous, Role::kVisual,
+                                       Role::kSlaveSim};
 
 // Handshakes without delay need fewer.
 inline constexpr int kMostInstantsForKeys = 100;

@@ -63,12 +63,9 @@ VirtualSession::VirtualSession(const SystemSettings& s, const std::shared_ptr<co
       display_(s.visual.pipeline),
       devices_(devices),
       session_(granted_instance(Role::kSession), session_settings(s), network_.of(Role::kSession)) {
-    for (const Role role : {Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual, Role::kMaster})
-        make(role, granted_instance(role));
+    for (const Role role : kNodeRoles) make(role, granted_instance(role));
     add(session_, Role::kSession);
-    for (const Role role : {Role::kMaster, Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual}) {
-        add(node(role), role);
-    }
+    for (const Role role : kTickOrder) add(node(role), role);
 }
 
 void VirtualSession::make(Role role, std::uint64_t instance) {
