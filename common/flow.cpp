@@ -20,20 +20,19 @@ void FlowCounters::add(const FlowCounters& other) {
     for (std::size_t i = 0; i < refused.size(); ++i) refused[i] += other.refused[i];
 }
 
-// Both are called in admit() only, for each message: the compiler makes one function of them.
-inline std::optional<Refusal> InboundFlow::judge(SessionTime now, const Header& header) const {
+// Both are called in admit() only, for each message: the compiler makes one function of them. With std::optional it would be longer.
+inline Refusal InboundFlow::judge(SessionTime now, const Header& header) const {
+    constexpr Refusal kNone = Refusal::kCount;
     if (header.sender != sender_) return Refusal::kUnexpectedKind;
     // Checked before the lock: leftovers of an earlier trial must not keep a restarted sender out.
     if (filter_ && (!running_ || header.trial != trial_)) return Refusal::kWrongTrial;
-    if (!locked_) return std::nullopt;
-    if (header.instance != instance_) {
-        return now - heard_ > kReleaseAfter ? std::nullopt : std::optional{Refusal::kSecondSender};
-    }
+    if (!locked_) return kNone;
+    if (header.instance != instance_) return now - heard_ > kReleaseAfter ? kNone : Refusal::kSecondSender;
     const std::int32_t ahead = sequence_ahead(header.sequence, newest_);
     if (ahead == 0) return Refusal::kDuplicate;
     if (ahead < 0) return Refusal::kOutdated;
     if (header.send_time < stamp_) return Refusal::kStampNotIncreasing;
-    return std::nullopt;
+    return kNone;
 }
 
 inline void InboundFlow::remember(SessionTime now, const Header& header) {
@@ -54,8 +53,8 @@ const Message* InboundFlow::admit(SessionTime now, Bytes datagram) {
 }
 
 const Message* InboundFlow::admit(SessionTime now, const Message& message) {
-    if (const std::optional<Refusal> refusal = judge(now, message.header)) {
-        ++counters_.refused[static_cast<std::size_t>(*refusal)];
+    if (const Refusal refusal = judge(now, message.header); refusal != Refusal::kCount) {
+        ++counters_.refused[static_cast<std::size_t>(refusal)];
         return nullptr;
     }
     remember(now, message.header);
@@ -91,15 +90,15 @@ OutboundFlow::OutboundFlow(Role sender, std::uint64_t instance, std::initializer
     }
 }
 
-void OutboundFlow::transmit(Bytes datagram) {
+void OutboundFlow::transmit(const Header& header, const Body& body) {
+    const Bytes datagram = encoder_.encode(header, body);
     for (std::size_t i = 0; i < channel_count_; ++i) channels_[i]->send(datagram);
 }
 
 // A message that receivers refuse goes as bytes, so that each of them counts it.
-void OutboundFlow::post(SharedMessage& shared, Verdict& good) {
-    if (!good) good = !refusal_of(shared.message);
+void OutboundFlow::post(SharedMessage& shared, bool good) {
     for (std::size_t i = 0; i < channel_count_; ++i) {
-        if (*good && channels_[i]->pool() != nullptr) {
+        if (good && channels_[i]->pool() != nullptr) {
             channels_[i]->hand_over(shared);
         } else {
             channels_[i]->send(encoder_.encode(shared.message));

@@ -90,7 +90,7 @@ class InboundFlow {
 
   private:
     const Message* take(SessionTime now, Channel& channel);
-    std::optional<Refusal> judge(SessionTime now, const Header& header) const;
+    Refusal judge(SessionTime now, const Header& header) const;  // kCount: none
     void remember(SessionTime now, const Header& header);
 
     Role sender_;
@@ -125,11 +125,12 @@ class OutboundFlow {
     // The same body by several flows of one sender, at the same time: the first one looks.
     template <class Body>
     void send(SessionTime now, std::uint32_t trial, const Body& body, Verdict& good) {
-        if (pool_ == nullptr) return transmit(encoder_.encode(next(now, trial), body));
+        if (pool_ == nullptr) return transmit(next(now, trial), body);
         SharedMessage& shared = pool_->take();
         shared.message.header = next(now, trial);
         shared.message.body = body;
-        post(shared, good);
+        if (!good) good = !refusal_of(shared.message);
+        post(shared, *good);
     }
     std::uint32_t sequence() const { return sequence_; }
 
@@ -138,8 +139,8 @@ class OutboundFlow {
     Header next(SessionTime now, std::uint32_t trial) {
         return {instance_, now, ++sequence_, trial, sender_};
     }
-    void transmit(Bytes datagram);
-    void post(SharedMessage& shared, Verdict& good);
+    void transmit(const Header& header, const Body& body);
+    void post(SharedMessage& shared, bool good);
 
     Role sender_;
     std::uint64_t instance_;

@@ -137,6 +137,8 @@ void NodeProcess::take_network(SessionTime now, const SessionControl& control) {
 inline void NodeProcess::give_up_if_alone(SessionTime now) {
     if (!running()) return;
     if (!fault().empty()) return give_up(now, EndReason::kDeviceFault);
+    if (now <= looks_for_silence_) return;  // nearly always: a peer that speaks has more time
+    looks_for_silence_ = patient_until();
     const InboundFlow* vital = vital_flow();
     const bool peer_lost = vital != nullptr && vital->lost_for(now, kPeerTimeout);
     if (orders_.silent_for(now, kPeerTimeout) || peer_lost) give_up(now, EndReason::kPeerLost);

@@ -155,6 +155,7 @@ class NodeProcess : public Process {
     double changed_delay_s_ = -1;  // of the last change; negative: none yet
     NetworkName changed_network_;
     SessionTime next_heartbeat_{};
+    SessionTime looks_for_silence_{};  // not before
     bool stopped_ = false;
     TickTimes ticks_;
     OverrunPolicy overrun_ = OverrunPolicy::kWarn;

@@ -13,8 +13,8 @@
 
 namespace thimble {
 
-// The numbers of `message` are in range: decoding its bytes gives the same struct.
-struct SharedMessage {
+// The numbers of `message` are in range: decoding its bytes gives the same struct. None shares a cache line with another.
+struct alignas(64) SharedMessage {
     Message message;
     std::uint32_t users = 0;  // who may still look at it
     SharedMessage* next_free = nullptr;

@@ -45,14 +45,15 @@ void MasterProcess::work(SessionTime now) {
     take_forces(now);
 }
 
-void MasterProcess::take_hand(SessionTime now) {
+// Each of a tick's parts is called in one place: the compiler makes one function of them.
+inline void MasterProcess::take_hand(SessionTime now) {
     if (hand_in_ == nullptr) return;
     hand_flow_.drain<HandInput>(
         now, *hand_in_, running(), trial(),
         [&](const Header&, const HandInput& input) { follower_->follow(now, input); });
 }
 
-void MasterProcess::take_percepts(SessionTime now) {
+inline void MasterProcess::take_percepts(SessionTime now) {
     cutaneous_flow_.drain<Percept>(
         now, *cutaneous_in_, running(), trial(),
         [&](const Header&, const Percept& skin) { person_->perceive(now, node_.feel(skin)); });
@@ -62,12 +63,12 @@ void MasterProcess::take_percepts(SessionTime now) {
 }
 
 template <class Body>
-void MasterProcess::take_forces_as(SessionTime now) {
+inline void MasterProcess::take_forces_as(SessionTime now) {
     force_flow_.drain<Body>(now, *force_in_, running(), trial(),
                             [&](const Header&, const Body& body) { apply(now, node_.take(now, body)); });
 }
 
-void MasterProcess::take_forces(SessionTime now) {
+inline void MasterProcess::take_forces(SessionTime now) {
     if (node_.has_waves()) {
         take_forces_as<ForceWave>(now);
     } else {
@@ -89,7 +90,7 @@ StopRequest MasterProcess::wants_stop(SessionTime now) {
     return {};
 }
 
-void MasterProcess::sample(SessionTime now) {
+inline void MasterProcess::sample(SessionTime now) {
     const HandleSample handle = handle_.read(now);
     if (handle.valid) {
         send_needle(now, node_.sample(now, handle));
@@ -98,7 +99,7 @@ void MasterProcess::sample(SessionTime now) {
     if (state() == NodeState::kRunning && person_->finished()) set_state(NodeState::kFinished);
 }
 
-void MasterProcess::send_needle(SessionTime now, const NeedleCommand& command) {
+inline void MasterProcess::send_needle(SessionTime now, const NeedleCommand& command) {
     if (!needle_gate_.due(now, command)) return;
     if (node_.has_waves()) {
         needle_flow_.send(now, trial(), NeedleWave{command, node_.waves()});

@@ -142,7 +142,8 @@ void SlaveNode::follow(SessionTime sample_time, const NeedleCommand& command) {
     beep_due_ = timer_.update(sample_time, touching) || beep_due_;
 }
 
-void SlaveNode::advance(SessionTime sample_time, const NeedleSample& needle) {
+// Called in one place, for each sample: the compiler makes one function of both.
+inline void SlaveNode::advance(SessionTime sample_time, const NeedleSample& needle) {
     Duration gap = sample_time - sample_time_;
     // After a hold the master may be another one, with another clock: then the length of the gap is unknown.
     if (gap <= Duration::zero()) gap = settings_.longest_step;

@@ -92,7 +92,8 @@ void SlaveProcess::work(SessionTime now) {
     if (running() && now >= next_beep_) send_beep(now);
 }
 
-void SlaveProcess::hear(SessionTime now, const Header& header, const NeedleWave& message) {
+// Each of a tick's parts is called in one place: the compiler makes one function of them.
+inline void SlaveProcess::hear(SessionTime now, const Header& header, const NeedleWave& message) {
     stale_record_.watch(now, trial(), false);
     next_hold_ = now + stale_after_;
     if (fill_.heard(now, header, message)) answer(now, header.send_time, header.sequence, message);
@@ -108,8 +109,8 @@ void SlaveProcess::answer(SessionTime now, SessionTime stamp, std::uint32_t sequ
     }
 }
 
-ForceFeedback SlaveProcess::moved(SessionTime now, SessionTime stamp, std::uint32_t sequence,
-                                  const NeedleWave& message) {
+inline ForceFeedback SlaveProcess::moved(SessionTime now, SessionTime stamp, std::uint32_t sequence,
+                                         const NeedleWave& message) {
     if (node_.waves()) return node_.on_wave(stamp, sequence, message);
     if (robot_ == nullptr) return node_.on_needle(stamp, sequence, message.command);
     if (resting())

@@ -39,6 +39,7 @@ void VisualNode::on_picture(SessionTime now, const ForceFeedback& feedback, Sess
     newest_.arrived = now;
     newest_.hand_time = feedback.echo_time;
     newest_.answered = answered;
+    if (!settings_.cut_away) return;
     newest_.whole = {feedback.position_needle_m,
                      position_fixture_m_,
                      feedback.force_tissue_N,

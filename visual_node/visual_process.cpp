@@ -55,14 +55,15 @@ bool VisualProcess::read_page(SessionTime now, const Page& page) {
     return true;
 }
 
-// A key of the trial's time is taken as well, and forgotten.
-void VisualProcess::ask_to_go_on(SessionTime now) {
+// Each of a tick's parts is called in one place: the compiler makes one function of them. A key of the trial's time
+// is taken as well, and forgotten.
+inline void VisualProcess::ask_to_go_on(SessionTime now) {
     if (display_->take_go_on()) go_on_.press(now);
     if (const auto given = display_->take_answer()) go_on_.answer(now, given->question, given->value);
     if (go_on_.take_due(now)) tell_session(now, go_on_.order());
 }
 
-void VisualProcess::take_force(SessionTime now) {
+inline void VisualProcess::take_force(SessionTime now) {
     force_flow_.drain<ForceFeedback>(now, *channels_.force_in, running(), trial(),
                                      [&](const Header& header, const ForceFeedback& feedback) {
                                          if (picture_delayed_)
@@ -71,7 +72,7 @@ void VisualProcess::take_force(SessionTime now) {
                                      });
 }
 
-void VisualProcess::take_scene(SessionTime now) {
+inline void VisualProcess::take_scene(SessionTime now) {
     scene_flow_.drain_all(now, *channels_.scene_in, running(), trial(), [&](const Message& message) {
         const auto* control = std::get_if<SessionControl>(&message.body);
         if (control != nullptr && control->kind == ControlKind::kBeep) beep(now);

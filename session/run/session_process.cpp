@@ -116,19 +116,20 @@ void SessionProcess::tick(SessionTime now) {
     if (now >= next_send_) send_orders(now);
 }
 
-void SessionProcess::excuse_standstill() {
+// Each of a tick's parts is called in one place: the compiler makes one function of them.
+inline void SessionProcess::excuse_standstill() {
     if (ticks_.stood_still() == Duration{}) return;  // the usual case
     for (NodePeer& peer : peers_) peer.did_not_listen(ticks_.stood_still());
     record_flow_.did_not_listen(ticks_.stood_still());
 }
 
 // Also a trial that was to begin: it is in the record as one that was stopped, and no node has heard of it.
-void SessionProcess::obey_stop(SessionTime now) {
+inline void SessionProcess::obey_stop(SessionTime now) {
     if (!stop_.stopped() || !under_way() || stage_ == Stage::kEnding) return;
     end(now, stop_.reason(), stop_.raised_by(), stop_.words());
 }
 
-void SessionProcess::take_messages(SessionTime now) {
+inline void SessionProcess::take_messages(SessionTime now) {
     for (NodePeer& peer : peers_) {
         while (const Message* message = peer.receive(now)) {
             heard_ = true;
@@ -160,7 +161,7 @@ std::optional<Refusal> SessionProcess::judge_request(const NodePeer& peer, std::
     return trial == std::max(trial_, last_number()) ? std::nullopt : std::optional{Refusal::kWrongTrial};
 }
 
-void SessionProcess::take_records(SessionTime now) {
+inline void SessionProcess::take_records(SessionTime now) {
     const bool recording = stage_ == Stage::kStartingMaster || stage_ == Stage::kRunning;
     record_flow_.drain<ForceFeedback>(now, *record_channel_, recording, trial_,
                                       [&](const Header& header, const ForceFeedback& feedback) {
@@ -185,7 +186,7 @@ bool SessionProcess::all_stopped(SessionTime now) const {
 }
 
 // The others start before the master, so that its first sample finds all nodes ready.
-void SessionProcess::advance(SessionTime now) {
+inline void SessionProcess::advance(SessionTime now) {
     switch (stage_) {
         case Stage::kStartingOthers:
             if (peers_.all_run(trial_, false)) enter(now, Stage::kStartingMaster);
@@ -222,7 +223,7 @@ bool SessionProcess::end_with_fault(SessionTime now) {
     return false;
 }
 
-void SessionProcess::watch(SessionTime now) {
+inline void SessionProcess::watch(SessionTime now) {
     if ((heard_ || now > nobody_silent_until_) && end_by_node(now)) return;
     if (settings_.ends_by_withdrawal && recorder_.withdrawn()) return end(now, EndReason::kCompleted);
     // The record flow was interrupted, so the record has a gap: the trial ends.

@@ -33,7 +33,10 @@ class VirtualLoop {
     void poke(std::uint32_t bit) { woken_ |= bit; }
 
     // A process that is not called any more, whatever is due or waits for it, until it is thawed: then at once.
-    void freeze(std::uint32_t bit) { frozen_ |= bit; }
+    void freeze(std::uint32_t bit) {
+        frozen_ |= bit;
+        entry(bit).next = kNever;
+    }
     void thaw(std::uint32_t bit) {
         if ((frozen_ & bit) != 0) woken_ |= bit;
         frozen_ &= ~bit;
@@ -41,7 +44,7 @@ class VirtualLoop {
 
     // Another process takes the place of this one, and is due now.
     void replace(std::uint32_t bit, Process& process) {
-        entries_[static_cast<std::size_t>(std::countr_zero(bit))].process = &process;
+        entry(bit).process = &process;
         frozen_ &= ~bit;
         poke(bit);
     }
@@ -52,12 +55,11 @@ class VirtualLoop {
         woken_ &= ~frozen_;
         SessionTime next = woken_ != 0 ? now_ : kNever;
         std::uint32_t due = 0, bit = 1;
-        for (const Entry& entry : entries_) {
-            const SessionTime when = std::max(entry.next, now_);  // what is late is due now
-            if ((frozen_ & bit) == 0 && when <= next) {
-                due = when < next ? bit : due | bit;
-                next = when;
-            }
+        for (const Entry& one : entries_) {  // no branch in it: which one is due first can't be foretold
+            const SessionTime when = std::max(one.next, now_);  // what is late is due now
+            const std::uint32_t same = when == next ? due | bit : due;
+            due = when < next ? bit : same;
+            next = std::min(next, when);
             bit <<= 1;
         }
         if (next == kNever) return false;
@@ -75,8 +77,9 @@ class VirtualLoop {
   private:
     struct Entry {
         Process* process = nullptr;
-        SessionTime next = kNever;
+        SessionTime next = kNever;  // also while it is frozen
     };
+    Entry& entry(std::uint32_t bit) { return entries_[static_cast<std::size_t>(std::countr_zero(bit))]; }
     void run_instant(std::uint32_t due) {
         for (int round = 0; (due | (woken_ & ~frozen_)) != 0; ++round) {
             if (round > kMaxRoundsPerInstant)
@@ -88,9 +91,9 @@ class VirtualLoop {
                 ahead = ~(bit | (bit - 1));
                 due &= ~bit;
                 woken_ &= ~bit;
-                Entry& entry = entries_[static_cast<std::size_t>(std::countr_zero(bit))];
-                entry.process->tick(now_);
-                entry.next = entry.process->next_wakeup();
+                Entry& ticked = entry(bit);
+                ticked.process->tick(now_);
+                ticked.next = (frozen_ & bit) != 0 ? kNever : ticked.process->next_wakeup();
                 ++ticks_;
             }
         }

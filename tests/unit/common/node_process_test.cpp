@@ -153,8 +153,8 @@ TEST_F(NodeProcessTest, TheSessionsHeartbeatsKeepItAlive) {
 }
 
 TEST_F(NodeProcessTest, ALostPeerEndsTheTrial) {
-    start();
     process.needs_peer = true;
+    start();
     for (int ms = 100; ms <= 500; ms += 100) {
         session.send(now, 1, Heartbeat{});
         tick(milliseconds{ms});
