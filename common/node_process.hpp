@@ -103,7 +103,8 @@ class NodeProcess : public Process {
     // Data plane, called on every tick, also between trials (to keep the channels empty).
     virtual void work(SessionTime now) = 0;
     virtual SessionTime next_work() const = 0;
-    // The input that this node cannot do without; null: none. Its silence for kPeerTimeout ends the trial.
+    // The input that this node cannot do without; null: none. Its silence for kPeerTimeout ends the trial. The same
+    // throughout a trial.
     virtual InboundFlow* vital_flow() { return nullptr; }
     // Asked after each work(), also between trials: a button of the device, the subject's key or the guard may
     // request a stop.
@@ -155,7 +156,7 @@ class NodeProcess : public Process {
     double changed_delay_s_ = -1;  // of the last change; negative: none yet
     NetworkName changed_network_;
     SessionTime next_heartbeat_{};
-    SessionTime looks_for_silence_{};  // not before
+    SessionTime looks_for_silence_{};  // until then no peer can have been silent for too long
     bool stopped_ = false;
     TickTimes ticks_;
     OverrunPolicy overrun_ = OverrunPolicy::kWarn;

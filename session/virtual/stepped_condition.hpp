@@ -36,8 +36,8 @@ inline std::uint64_t granted_instance(Role role) {
     return stream();
 }
 
-// Which node of those that are due at the same time runs first; the session runs before them. slave_sim is last: its picture waits until
-// netem has brought its force, so that a node hears both in one tick.
+// The order of nodes that are due at the same time. The session runs before them. slave_sim runs last: without delay, visual then hears
+// its picture and its force in one tick.
 inline constexpr std::array kTickOrder{Role::kMaster, Role::kNetem, Role::kCutaneous, Role::kVisual,
                                        Role::kSlaveSim};
 
