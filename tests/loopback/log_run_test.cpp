@@ -47,7 +47,8 @@ void expect_the_relay_agrees(const std::vector<FlowFinding>& flows, const std::f
 
 TEST(LogRun, EveryProgramsLogIsGoodAndTheyAddUp) {
     SessionFile session;
-    session.more = std::string(kLogAll) + "[netem.needle]\nloss = 0.1\n[netem.force]\nloss = 0.1\n";
+    // So much loss that the relay names more packets than may be under way at the end, where a busy machine sends few.
+    session.more = std::string(kLogAll) + "[netem.needle]\nloss = 0.3\n[netem.force]\nloss = 0.3\n";
     RealRun run(session);
     ASSERT_EQ(run.end(), 0) << run.words();
     EXPECT_THAT(run.words(), testing::Not(HasSubstr("not protected"))) << "it stays on loopback";
