@@ -19,13 +19,6 @@ std::string type_name(const toml::node& node) {
     return text.str();
 }
 
-// As the file might write it.
-std::string text_of(const toml::node& node) {
-    std::ostringstream text;
-    node.visit([&text](const auto& value) { text << value; });
-    return text.str();
-}
-
 template <class Value, class Limit>
 void add_range(KeyDeclaration& noted, const std::optional<Value>& fallback, Limit low, Limit high) {
     // Twelve digits: a default that was computed is not exact.
@@ -249,7 +242,7 @@ void ConfigTable::read(std::string_view key, std::vector<double>& values, double
     for (const toml::node& element : *found.node->as_array()) {
         values.push_back(found.number(element).value_or(std::nan("")));
         if (values.back() >= low && values.back() <= high) continue;
-        wrong.push_back(text_of(element));
+        wrong.push_back(as_written(element));
         if (meant.empty() && element.is_number()) meant = meant_milliseconds(key, values.back(), low, high);
     }
     if (!wrong.empty())

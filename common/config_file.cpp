@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
-#include <sstream>
 
 #include <fmt/ranges.h>
 
@@ -53,14 +52,6 @@ bool has_word(std::string_view text, std::string_view word) {
             return true;
     }
     return false;
-}
-
-std::string as_written(const toml::node& node) {
-    // The shortest digits: those of the library say 0.1 as 0.10000000000000001.
-    if (node.is_floating_point()) return fmt::format("{}", *node.value<double>());
-    std::ostringstream text;
-    node.visit([&text](const auto& held) { text << held; });
-    return text.str();
 }
 
 // All that is wrong with a file, each key once.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <set>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -50,6 +51,14 @@ class KeyError : public Error {
 
 inline std::string join(std::string_view path, std::string_view key) {
     return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+}
+
+inline std::string as_written(const toml::node& node) {
+    // The shortest digits: those of the library say 0.1 as 0.10000000000000001.
+    if (node.is_floating_point()) return fmt::format("{}", *node.value<double>());
+    std::ostringstream text;
+    node.visit([&text](const auto& held) { text << held; });
+    return text.str();
 }
 
 struct ConfigFile::Impl {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "common/decimal_text.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -61,16 +62,6 @@ bool is_network_time(std::string_view name) {
 
 std::string milliseconds_instead(double seconds) {
     return fmt::format("for {} ms write {} or \"{}ms\"", seconds, seconds / 1000, seconds);
-}
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-    std::vector<std::string_view> parts;
-    for (std::size_t at = text.find(separator); at != std::string_view::npos; at = text.find(separator)) {
-        parts.push_back(text.substr(0, at));
-        text.remove_prefix(at + 1);
-    }
-    parts.push_back(text);
-    return parts;
 }
 
 // One number of an option's word. The option itself refuses any other word.
@@ -126,8 +117,10 @@ std::string meant_milliseconds(std::string_view name, double seconds, double low
 
 std::string settle_durations(std::string_view name, std::string& word) {
     std::string settled;
-    for (const std::string_view item : split(word, ',')) {
-        const std::vector<std::string_view> parts = split(item, ':');
+    std::vector<std::string_view> items, parts;
+    split_at(',', word, items);
+    for (const std::string_view item : items) {
+        split_at(':', item, parts);
         for (std::size_t i = 0; i < parts.size(); ++i) {
             if (i == 2) {  // how many points
                 settled += parts[i];

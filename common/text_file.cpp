@@ -21,16 +21,6 @@ bool is_of_the_system(const std::filesystem::path& file) {
     return folder == "/dev" || folder.starts_with("/dev/fd") || folder.starts_with("/proc/");
 }
 
-// False: errno says why.
-bool write_all(int descriptor, std::string_view text) {
-    while (!text.empty()) {
-        const ssize_t n = ::write(descriptor, text.data(), text.size());
-        if (n < 0 && errno != EINTR) return false;
-        text.remove_prefix(n < 0 ? 0 : static_cast<std::size_t>(n));
-    }
-    return true;
-}
-
 const char* advice_on(int error) {
     switch (error) {
         case EROFS:
@@ -67,6 +57,15 @@ void fail_to_create(const std::filesystem::path& file, int error, ExitCode other
     const bool no_room = error == EMFILE || error == ENFILE || error == ENOSPC || error == EDQUOT;
     throw Error(no_room ? ExitCode::kRunFailed : otherwise, "{}: cannot be created: {}{}", file.string(),
                 std::strerror(error), advice_on(error));
+}
+
+bool write_all(int descriptor, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t n = ::write(descriptor, text.data(), text.size());
+        if (n < 0 && errno != EINTR) return false;
+        text.remove_prefix(n < 0 ? 0 : static_cast<std::size_t>(n));
+    }
+    return true;
 }
 
 void write_text_file(const std::filesystem::path& path, std::string_view text) {
@@ -109,6 +108,13 @@ std::string read_to_end(std::istream& stream, const std::filesystem::path& file,
 std::string read_text_file(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     return read_to_end(file, path);
+}
+
+std::string first_line(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    std::string line;
+    std::getline(in, line);
+    return line;
 }
 
 std::string read_whole_file(const std::filesystem::path& path, std::size_t most) {
@@ -160,6 +166,26 @@ void make_folder(const std::filesystem::path& folder) {
                     "{}: cannot be made: {}; name another folder, or change its permissions", folder.string(),
                     failure.message());
     }
+}
+
+std::vector<std::string_view> words_of(std::string_view text) {
+    constexpr std::string_view kBlanks = " \t\r\n";
+    std::vector<std::string_view> words;
+    for (std::size_t at = text.find_first_not_of(kBlanks); at != std::string_view::npos;) {
+        const std::size_t end = text.find_first_of(kBlanks, at);
+        words.push_back(text.substr(at, end - at));
+        at = text.find_first_not_of(kBlanks, end);
+    }
+    return words;
+}
+
+void split_at(char separator, std::string_view text, std::vector<std::string_view>& parts) {
+    parts.clear();
+    for (std::size_t end = text.find(separator); end != std::string_view::npos; end = text.find(separator)) {
+        parts.push_back(text.substr(0, end));
+        text.remove_prefix(end + 1);
+    }
+    parts.push_back(text);
 }
 
 }  // namespace thimble

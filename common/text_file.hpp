@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <unistd.h>
+#include <vector>
 
 #include <boost/core/noncopyable.hpp>
 
@@ -16,6 +17,9 @@ namespace thimble {
 
 // Replaces the file. Throws Error naming it: as fail_to_create() does; run failed, if it cannot be written to its end.
 void write_text_file(const std::filesystem::path& path, std::string_view text);
+
+// All of it to an open file. False: errno says why.
+bool write_all(int descriptor, std::string_view text);
 
 // Opens a file to write at that place itself, never through a symbolic link, and makes it if it is not there. It follows links
 // to streams in /dev only. `flags`, and the result: open(2).
@@ -32,6 +36,8 @@ void remove_file(const std::filesystem::path& file);
 
 // The file's bytes; none, if it cannot be opened. Throws Error (data) as read_to_end() does.
 std::string read_text_file(const std::filesystem::path& path);
+// The first line without its end; empty if the file cannot be opened or read.
+std::string first_line(const std::filesystem::path& file);
 // The whole file. Throws Error (data) if it cannot be read or is larger than `most`.
 std::string read_whole_file(const std::filesystem::path& path, std::size_t most = std::size_t{512} << 20);
 
@@ -72,5 +78,10 @@ inline std::string_view take_until(std::string_view& text, char end) {
     text.remove_prefix(at == std::string_view::npos ? text.size() : at + 1);
     return part;
 }
+
+// Words between blanks, tabs and ends of lines.
+std::vector<std::string_view> words_of(std::string_view text);
+// Replaces `parts` by what stands between the separators.
+void split_at(char separator, std::string_view text, std::vector<std::string_view>& parts);
 
 }  // namespace thimble

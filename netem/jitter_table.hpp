@@ -31,27 +31,6 @@ class JitterTable {
     }
 
     const std::vector<double>& deviates() const { return deviates_; }
-    // Of quantile(u) with u uniform in [0, 1], exact.
-    // Half a cell of constant value at each end, straight lines between.
-    double mean() const {
-        double sum = (deviates_.front() + deviates_.back()) / 2;
-        for (std::size_t i = 1; i < deviates_.size(); ++i) sum += (deviates_[i - 1] + deviates_[i]) / 2;
-        return sum / static_cast<double>(deviates_.size());
-    }
-
-    // The mean square over a straight line from a to b is (a^2 + a b + b^2) / 3.
-    double standard_deviation() const {
-        const double middle = mean();
-        const double first = deviates_.front() - middle;
-        const double last = deviates_.back() - middle;
-        double sum = (first * first + last * last) / 2;
-        for (std::size_t i = 1; i < deviates_.size(); ++i) {
-            const double a = deviates_[i - 1] - middle;
-            const double b = deviates_[i] - middle;
-            sum += (a * a + a * b + b * b) / 3;
-        }
-        return std::sqrt(sum / static_cast<double>(deviates_.size()));
-    }
 
   private:
     std::vector<double> deviates_;

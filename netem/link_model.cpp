@@ -113,9 +113,9 @@ void LinkModel::push(SessionTime now, Bytes datagram, std::uint8_t traffic_class
     if (now >= next_change_) run_until(now);
     if (!plain_) return push_by_fate(arrival);
     if (datagram.empty() || datagram.size() > kLargestDatagramBytes) {
-        return drop(arrival.packet, now, DropReason::kOversized);
+        return drop(arrival, DropReason::kOversized);
     }
-    if (in_flight_ >= capacity_) return drop(arrival.packet, now, DropReason::kOverflowed);
+    if (in_flight_ >= capacity_) return drop(arrival, DropReason::kOverflowed);
     Packet* block = store(arrival);
     block->copy = block->corrupted = false;
     block->due_ns = block->received_ns + delay_ns_;
@@ -136,10 +136,10 @@ void LinkModel::push_by_fate(const Arrival& arrival) {
     const auto& [packet, now, datagram, traffic_class] = arrival;
     const bool may_mark = settings().ecn && understands_ecn(traffic_class);
     const PacketFate fate = fates_.decide(packet, now - start_, may_mark);
-    if (fate.lost) return drop(packet, now, DropReason::kLost);
-    if (is_out(settings().outages, now - start_)) return drop(packet, now, DropReason::kOutage);
+    if (fate.lost) return drop(arrival, DropReason::kLost);
+    if (is_out(settings().outages, now - start_)) return drop(arrival, DropReason::kOutage);
     if (datagram.empty() || datagram.size() > kLargestDatagramBytes) {
-        return drop(packet, now, DropReason::kOversized);
+        return drop(arrival, DropReason::kOversized);
     }
     counters_.skipped += fate.skipped ? 1 : 0;
     counters_.corrupted += fate.corrupted ? 1 : 0;
@@ -154,10 +154,10 @@ void LinkModel::admit(const Arrival& arrival, const PacketFate& fate, bool copy)
     const auto& [packet, now, datagram, traffic_class] = arrival;
     if (transmitter_.active()) run_until(now);
     // After the capacity has shrunk: no waiting packet makes room for a new one that does not fit.
-    if (in_flight_ > capacity_) return drop(packet, now, DropReason::kOverflowed);
+    if (in_flight_ > capacity_) return drop(arrival, DropReason::kOverflowed);
     const bool waits = transmitter_.active();  // a removed rate ends with the last packet that it held up
-    if (waits && !make_room(datagram.size())) return drop(packet, now, DropReason::kQueueFull);
-    if (in_flight_ >= capacity_) return drop(packet, now, DropReason::kOverflowed);
+    if (waits && !make_room(datagram.size())) return drop(arrival, DropReason::kQueueFull);
+    if (in_flight_ >= capacity_) return drop(arrival, DropReason::kOverflowed);
     Packet* block = store(arrival);
     block->copy = copy;
     block->corrupted = fate.corrupted;
@@ -180,18 +180,20 @@ bool LinkModel::make_room(std::size_t bytes) {
         Packet* oldest = settings().rate.drop == Drop::kHead ? transmitter_.drop_oldest() : nullptr;
         if (oldest == nullptr) return false;
         --in_flight_;
-        drop(oldest->number, from_nanoseconds(oldest->received_ns), DropReason::kQueueFull);
+        drop({oldest->number, from_nanoseconds(oldest->received_ns), oldest->bytes(), oldest->traffic_class},
+             DropReason::kQueueFull);
         store_.give_back(oldest);
     }
     return true;
 }
 
-void LinkModel::drop(std::uint64_t packet, SessionTime received, DropReason reason) {
+void LinkModel::drop(const Arrival& arrival, DropReason reason) {
     constexpr std::array<std::uint64_t LinkCounters::*, 5> kByReason{
         &LinkCounters::lost, &LinkCounters::outage, &LinkCounters::oversized, &LinkCounters::queue_full,
         &LinkCounters::overflowed};
     ++(counters_.*kByReason[static_cast<std::size_t>(reason)]);
-    if (observer_ != nullptr) observer_->on_drop(packet, received, reason);
+    if (observer_ != nullptr)
+        observer_->on_drop(arrival.packet, arrival.now, arrival.datagram.size(), reason);
 }
 
 Packet* LinkModel::take_first(SessionTime now) {

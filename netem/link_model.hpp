@@ -152,7 +152,7 @@ class LinkModel {
     void admit(const Arrival& arrival, const PacketFate& fate, bool copy);
     Packet* store(const Arrival& arrival);
     bool make_room(std::size_t bytes);
-    void drop(std::uint64_t packet, SessionTime received, DropReason reason);
+    void drop(const Arrival& arrival, DropReason reason);
     void forget_all();
     void update_next_due() {
         next_due_ = line_.next_due();

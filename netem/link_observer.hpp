@@ -1,6 +1,7 @@
 // A link's reports about single packets, for logs. Counters stand in link_model.hpp.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "common/channel.hpp"
@@ -22,7 +23,8 @@ class LinkObserver {
     virtual ~LinkObserver() = default;
     // `packet`: its number since the last restart. `received`: when it was pushed, which with head drop was before the
     // push that decided it. Called twice for a packet if both copies are dropped.
-    virtual void on_drop(std::uint64_t packet, SessionTime received, DropReason reason) = 0;
+    virtual void on_drop(std::uint64_t packet, SessionTime received, std::size_t bytes,
+                         DropReason reason) = 0;
 };
 
 // A packet that leaves; its lateness is (time of the pop) - due.

@@ -10,11 +10,9 @@ namespace thimble {
 
 namespace {
 
-constexpr std::int64_t kMaxCapacity = 1'000'000;
+constexpr std::int64_t kMaxPackets = static_cast<std::int64_t>(kMostCapacity);
 constexpr std::int64_t kMaxBytes = 4'294'967'295;
 constexpr double kLongestTime_s = 3.6e6;
-constexpr Duration kPacketPeriod =
-    std::chrono::milliseconds{1};  // every flow of a session but the heartbeats
 constexpr Duration kShortestSlot = std::chrono::microseconds{10};
 constexpr double kMostCorrelation = 0.999999;
 
@@ -99,7 +97,7 @@ void read_rate(const ConfigTable& table, RateSettings& rate) {
     table.read("rate_cell_bytes", rate.cell_bytes, 0, 65535,
                "Size of the cells that the link sends; 0: no cells.");
     table.read("rate_cell_overhead_bytes", rate.cell_overhead_bytes, 0, 65535, "Extra bytes of each cell.");
-    table.read("rate_queue_packets", rate.queue_packets, 0, kMaxCapacity,
+    table.read("rate_queue_packets", rate.queue_packets, 0, kMaxPackets,
                "Longest queue in packets; 0: limited by capacity only.");
     table.read("rate_queue_bytes", rate.queue_bytes, 0, kMaxBytes,
                "Longest queue in bytes; 0: limited by capacity only.");
@@ -123,7 +121,7 @@ void read_slots(const ConfigTable& table, SlotSettings& slot) {
                "Distribution of that time: uniform between the two, or one for which the two are mean - "
                "spread and mean + spread.");
     if (table.has("slot_shape")) slot.shape = kMeant.at(shape);
-    table.read("slot_packets", slot.packets, 0, kMaxCapacity, "Most packets in a slot; 0: no limit.");
+    table.read("slot_packets", slot.packets, 0, kMaxPackets, "Most packets in a slot; 0: no limit.");
     table.read("slot_bytes", slot.bytes, 0, kMaxBytes, "Most bytes in a slot; 0: no limit.");
     if (slot.most < slot.least) table.fail("slot_most_s", "must not be below slot_least_s");
     if (slot.most > Duration::zero() && slot.most < kShortestSlot) {
@@ -199,21 +197,21 @@ void check_senders(const ConfigTable& table, const LinkSettings& link) {
     }
 }
 
-std::size_t read_capacity(const ConfigTable& table, const LinkSettings& link) {
-    LinkSettings narrow = link;
-    narrow.jitter = {};
-    const Duration longest = nearly_longest_delay(narrow) + link.jitter.spread;
-    const std::int64_t needed = longest / kPacketPeriod + 1;
-    const std::int64_t enough = std::max(static_cast<std::int64_t>(link.capacity), 2 * needed);
-    std::int64_t capacity = std::min(enough, kMaxCapacity);
+// `base`: what holds without the table's keys. Its capacity stays as long as no key changes the delay.
+void read_capacity(const ConfigTable& table, const LinkSettings& base, LinkSettings& link) {
+    const bool same_delay =
+        link.delay == base.delay && link.jitter.spread == base.jitter.spread && link.trace == base.trace;
+    if (!same_delay) make_room_for_delay(link);
+    auto capacity = static_cast<std::int64_t>(link.capacity);
     table.read(
-        "capacity", capacity, 1, kMaxCapacity,
+        "capacity", capacity, 1, kMaxPackets,
         "Most packets in flight, further ones are dropped; default: twice what the delay needs at 1 kHz.");
-    if (capacity < needed) {
+    link.capacity = static_cast<std::size_t>(capacity);
+    const std::size_t needed = packets_in_flight(link);
+    if ((table.has("capacity") || !same_delay) && link.capacity < needed) {
         table.fail("capacity", "a link with this delay holds " + std::to_string(needed) +
                                    " packets of a 1 kHz flow: allow at least this number, or remove the key");
     }
-    return static_cast<std::size_t>(capacity);
 }
 
 }  // namespace
@@ -225,6 +223,7 @@ LinkSettings read_link_settings(const ConfigTable& table, const LinkSettings& ba
         read_name(table, "profile", sources.profile != nullptr,
                   "Built-in name, file, or words of tc: start from these settings; other keys replace them.");
     if (!profile.empty()) table.load("profile", [&] { link = sources.profile(profile); });
+    const LinkSettings start = link;
     table.read("delay_s", link.delay, 0, 60,
                "Mean one-way delay; a session uses the delay of its condition on the force path.");
     read_jitter(table, sources, link);
@@ -236,7 +235,7 @@ LinkSettings read_link_settings(const ConfigTable& table, const LinkSettings& ba
     read_traces(table, sources, link);
     check_jitter(table, link);
     check_senders(table, link);
-    link.capacity = read_capacity(table, link);
+    read_capacity(table, start, link);
     return link;
 }
 

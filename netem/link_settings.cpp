@@ -10,6 +10,9 @@
 namespace thimble {
 namespace {
 
+constexpr Duration kPacketPeriod =
+    std::chrono::milliseconds{1};  // every flow of a session but the heartbeats
+
 // Share of all packets that are lost while the next is not: each burst ends once.
 double bursts_per_packet(const LossSettings& loss) {
     if (loss.shape == LossShape::kIndependent) return loss.probability * (1 - loss.probability);
@@ -37,6 +40,15 @@ ShapeBounds bounds_of(const JitterSettings& jitter) {
         {{0, 0}, {1, 1}, {2, 4}, {0.1, 10}, {0.577350269, 24}, {2, 24}}};
     if (jitter.shape != JitterShape::kTable) return kBounds[static_cast<std::size_t>(jitter.shape)];
     return {std::max(0.0, -jitter.table->deviates().front()), jitter.table->deviates().back()};
+}
+
+// The mean, or the longest of a trace.
+Duration longest_mean(const LinkSettings& link) {
+    Duration mean = link.delay;
+    if (link.trace != nullptr && link.trace->layout().has_delay) {
+        for (const TraceRow& row : link.trace->rows()) mean = std::max(mean, row.delay);
+    }
+    return mean;
 }
 
 }  // namespace
@@ -94,12 +106,23 @@ double mean_loss_burst(const LossSettings& loss) {
 }
 
 Duration nearly_longest_delay(const LinkSettings& link) {
-    Duration mean = link.delay;
-    if (link.trace != nullptr && link.trace->layout().has_delay) {
-        for (const TraceRow& row : link.trace->rows()) mean = std::max(mean, row.delay);
-    }
     const double spread_ns = static_cast<double>(link.jitter.spread.count());
-    return mean + Duration{std::llround(bounds_of(link.jitter).nearly_largest_deviate * spread_ns)};
+    return longest_mean(link) +
+           Duration{std::llround(bounds_of(link.jitter).nearly_largest_deviate * spread_ns)};
+}
+
+std::size_t packets_in_flight(const LinkSettings& link) {
+    return static_cast<std::size_t>((longest_mean(link) + link.jitter.spread) / kPacketPeriod + 1);
+}
+
+void make_room_for_delay(LinkSettings& link) {
+    link.capacity = std::max(link.capacity, std::min(2 * packets_in_flight(link), kMostCapacity));
+}
+
+void set_delay(LinkSettings& link, Duration delay) {
+    if (link.delay == delay) return;
+    link.delay = delay;
+    make_room_for_delay(link);
 }
 
 }  // namespace thimble

@@ -111,6 +111,8 @@ struct Outage {
     bool operator==(const Outage&) const = default;
 };
 
+inline constexpr std::size_t kMostCapacity = 1'000'000;
+
 struct LinkSettings {
     Duration delay{};  // mean one-way delay
     JitterSettings jitter{};
@@ -134,6 +136,12 @@ struct LinkSettings {
 
 // The longest delay but for one packet in 10,000: the mean, or the longest of a trace, plus jitter. Queues, slots and outages come on top.
 Duration nearly_longest_delay(const LinkSettings& link);
+// Packets of a flow of 1 kHz that are in flight at the mean delay, or the longest of a trace, plus one spread.
+std::size_t packets_in_flight(const LinkSettings& link);
+// Raises the capacity to twice that number, up to kMostCapacity.
+void make_room_for_delay(LinkSettings& link);
+// With room for it. The same delay changes nothing.
+void set_delay(LinkSettings& link, Duration delay);
 
 // These settings replace the earlier ones at `at` after the start of a trial.
 struct LinkChange {

@@ -151,7 +151,10 @@ class NetemProcess final : public NodeProcess {
             relay.network = control.network;
             relay.start = settings = relay.delayed ? profile->down : profile->up;
         }
-        if (relay.delayed) relay.start.delay = settings.delay = from_seconds(control.network_delay_s);
+        if (relay.delayed) {
+            for (LinkSettings* one : {&relay.start, &settings})
+                set_delay(*one, from_seconds(control.network_delay_s));
+        }
         if (profile == nullptr && !relay.delayed) return;
         relay.changed = true;
         relay.model.change(now, settings);

@@ -17,6 +17,7 @@ LinkSettings force_of_session(const ConfigFile& file) {
     std::vector<double> delays_s;
     if (session.has("delays_s")) session.read("delays_s", delays_s, 0, kLongestForceDelay_s, "");
     if (!delays_s.empty()) link.delay = from_seconds(*std::min_element(delays_s.begin(), delays_s.end()));
+    make_room_for_delay(link);
     return link;
 }
 
@@ -24,10 +25,10 @@ LinkSettings force_of_session(const ConfigFile& file) {
 
 void set_delay(LinkSettings& link, Timeline& timeline, Duration delay) {
     const Duration before = link.delay;
-    link.delay = delay;
+    set_delay(link, delay);
     for (LinkChange& change : timeline) {
         if (change.settings.delay != before) break;
-        change.settings.delay = delay;
+        set_delay(change.settings, delay);
     }
 }
 

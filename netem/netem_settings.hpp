@@ -15,7 +15,7 @@ struct NetemSettings {
 };
 
 // Another mean delay, as a condition of an experiment or a command line has it: at the start, and in all that the
-// timeline changes without changing the delay.
+// timeline changes without changing the delay. The links hold twice the packets that it keeps in flight at 1 kHz.
 void set_delay(LinkSettings& link, Timeline& timeline, Duration delay);
 
 // Tell the links of one session apart in every random draw: part of each published seed.

@@ -58,7 +58,7 @@ CsvReader::CsvReader(std::filesystem::path file, std::span<const std::string_vie
         }
         if (const std::size_t end = text_.rfind('\n'); end != std::string::npos) text_.resize(end + 1);
     }
-    split(take_line());
+    split_at(separator_, take_line(), fields_);
     there_ = fields_.size();
     if (there_ != columns_.size() && there_ + later != columns_.size()) {
         fail(fmt::format(
@@ -81,7 +81,7 @@ bool CsvReader::next() {
             comments_.emplace_back(line.substr(line.starts_with("# ") ? 2 : 1));
             continue;
         }
-        split(line);
+        split_at(separator_, line, fields_);
         if (fields_.size() != there_) {
             fail(fmt::format("has {} fields instead of {} (column '{}' is the last one); delete this line",
                              fields_.size(), there_, columns_[std::min(fields_.size(), there_) - 1]));
@@ -103,16 +103,6 @@ std::string_view CsvReader::take_line() {
     const std::string_view line = std::string_view{text_}.substr(position_, end - position_);
     position_ = end + 1;
     return line;
-}
-
-void CsvReader::split(std::string_view line) {
-    fields_.clear();
-    for (std::size_t end = line.find(separator_); end != std::string_view::npos;
-         end = line.find(separator_)) {
-        fields_.push_back(line.substr(0, end));
-        line.remove_prefix(end + 1);
-    }
-    fields_.push_back(line);
 }
 
 void CsvReader::fail(std::string_view why) const {

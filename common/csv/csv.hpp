@@ -51,7 +51,6 @@ class CsvReader : boost::noncopyable {
   private:
     bool ends_within_header() const;
     std::string_view take_line();
-    void split(std::string_view line);
     [[noreturn]] void fail(std::string_view why) const;
 
     std::filesystem::path file_;

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <optional>
-#include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "common/decimal_text.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -16,11 +16,6 @@ namespace {
 // More than any pretension, far less than what a trial presses.
 constexpr double kPressed_N = 0.2;
 constexpr std::uint32_t kErrorBusOff = kCanError | 0x40, kErrorController = kCanError | 0x04;
-
-std::vector<std::string> words_of(std::string_view line) {
-    std::istringstream in{std::string(line)};
-    return {std::istream_iterator<std::string>(in), {}};
-}
 
 // Faults without a number.
 constexpr std::array<std::pair<std::string_view, void (DriveEmulator::*)()>, 6> kFaults{
@@ -31,11 +26,37 @@ constexpr std::array<std::pair<std::string_view, void (DriveEmulator::*)()>, 6> 
      {"duplicate", &DriveEmulator::double_itself},
      {"cut", &DriveEmulator::cut_cable}}};
 
+// A drive's reset ends these.
+constexpr std::array<std::string_view, 5> kUntilReset{"emcy", "silence", "no-heartbeat", "no-data",
+                                                      "short-data"};
+
 // Decimal, or hexadecimal with 0x.
 std::optional<std::uint32_t> whole_number(std::string_view text) {
     const bool hexadecimal = text.substr(0, 2) == "0x";
     if (hexadecimal) text.remove_prefix(2);
     return parse_whole<std::uint32_t>(text, hexadecimal ? 16 : 10);
+}
+
+// Behind the drive's node; shorter than the words if one is no number.
+std::vector<std::uint32_t> numbers_of(const std::vector<std::string_view>& words) {
+    std::vector<std::uint32_t> numbers;
+    for (std::size_t i = 2; i < words.size(); ++i) {
+        if (const auto number = whole_number(words[i])) numbers.push_back(*number);
+    }
+    return numbers;
+}
+
+bool takes(std::string_view what, const std::vector<std::uint32_t>& numbers) {
+    constexpr std::uint32_t kMost = 0xffff, kMostSub = 0xff;
+    if (what == "emcy") return numbers.size() == 1 && numbers[0] <= kMost;
+    if (what == "refuse") {
+        return (numbers.size() == 1 || (numbers.size() == 2 && numbers[1] <= kMostSub)) &&
+               numbers[0] <= kMost;
+    }
+    const bool known =
+        what == "reboot" ||
+        std::any_of(kFaults.begin(), kFaults.end(), [&](const auto& fault) { return fault.first == what; });
+    return known && numbers.empty();
 }
 
 CanFrame error_frame(std::uint32_t id, std::uint8_t controller) {
@@ -58,7 +79,9 @@ EmulatedDrives::EmulatedDrives(const std::vector<std::uint8_t>& nodes, const Pla
 void EmulatedDrives::tick(SessionTime now) {
     if (!on_) {
         on_ = true;
-        for (DriveEmulator& drive : drives_) drive.reset(now, *bus_);
+        for (DriveEmulator& drive : drives_) {
+            if (!off_) drive.reset(now, *bus_);
+        }
     }
     CanFrame frame;
     while (bus_->receive(now, frame)) {
@@ -107,9 +130,28 @@ DriveEmulator* EmulatedDrives::find(std::string_view node) {
     return found == drives_.end() ? nullptr : &*found;
 }
 
-std::string EmulatedDrives::obey(SessionTime now, std::string_view line) {
+std::string EmulatedDrives::wrong_in(std::string_view line) {
     const auto words = words_of(line);
     if (words.empty()) return {};
+    if (words[0] == "quit" || words[0] == "bus-off" || words[0] == "bus-passive") return {};
+    const bool of_drive = words.size() > 1 && find(words[1]) != nullptr;
+    const auto numbers = numbers_of(words);
+    if (of_drive && numbers.size() + 2 == words.size() && takes(words[0], numbers)) return {};
+    return fmt::format("'{}': unknown command or drive, or a number is missing or too large", line);
+}
+
+std::string EmulatedDrives::obey_when_pressed(std::string words, Duration after) {
+    std::string wrong = wrong_in(words);
+    if (wrong.empty()) later_.push_back({std::move(words), after});
+    return wrong;
+}
+
+std::string EmulatedDrives::obey(SessionTime now, std::string_view line) {
+    if (std::string wrong = wrong_in(line); !wrong.empty()) return wrong;
+    const auto words = words_of(line);
+    if (words.empty()) return {};
+    if (!on_ && std::find(kUntilReset.begin(), kUntilReset.end(), words[0]) != kUntilReset.end())
+        return fmt::format("'{}': ends with the drive's reset at the start; use --fault-when-pressed", line);
     if (words[0] == "quit") {
         stopped_ = true;
     } else if (words[0] == "bus-off") {
@@ -118,40 +160,23 @@ std::string EmulatedDrives::obey(SessionTime now, std::string_view line) {
     } else if (words[0] == "bus-passive") {
         bus_->send(error_frame(kErrorController, 0x10));
     } else {
-        DriveEmulator* drive = words.size() > 1 ? find(words[1]) : nullptr;
-        std::vector<std::uint32_t> numbers;
-        for (std::size_t i = 2; i < words.size(); ++i) {
-            if (const auto number = whole_number(words[i])) numbers.push_back(*number);
-        }
-        if (drive == nullptr || numbers.size() + 2 != words.size() || !obey(now, *drive, words[0], numbers)) {
-            return fmt::format("'{}': unknown command or drive, or a number is missing", line);
-        }
+        obey(now, *find(words[1]), words[0], numbers_of(words));
     }
     bus_->flush();
     return {};
 }
 
-bool EmulatedDrives::obey(SessionTime now, DriveEmulator& drive, std::string_view what,
+void EmulatedDrives::obey(SessionTime now, DriveEmulator& drive, std::string_view what,
                           const std::vector<std::uint32_t>& numbers) {
-    if (what == "emcy" && numbers.size() == 1) {
-        drive.emergency(static_cast<std::uint16_t>(numbers[0]), *bus_);
-        return true;
-    }
-    if (what == "refuse" && (numbers.size() == 1 || numbers.size() == 2)) {
+    if (what == "emcy") return drive.emergency(static_cast<std::uint16_t>(numbers[0]), *bus_);
+    if (what == "refuse") {
         const auto sub = static_cast<std::uint8_t>(numbers.size() == 2 ? numbers[1] : 0);
-        drive.refuse({static_cast<std::uint16_t>(numbers[0]), sub}, SdoAbort::kNoObject);
-        return true;
+        return drive.refuse({static_cast<std::uint16_t>(numbers[0]), sub}, SdoAbort::kNoObject);
     }
-    if (!numbers.empty()) return false;
-    if (what == "reboot") {
-        drive.reset(now, *bus_);
-        return true;
+    if (what == "reboot") return drive.reset(now, *bus_);
+    for (const auto& [word, happens] : kFaults) {
+        if (word == what) (drive.*happens)();
     }
-    const auto* const found =
-        std::find_if(kFaults.begin(), kFaults.end(), [&](const auto& fault) { return fault.first == what; });
-    if (found == kFaults.end()) return false;
-    (drive.*found->second)();
-    return true;
 }
 
 }  // namespace thimble

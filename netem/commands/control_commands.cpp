@@ -62,10 +62,13 @@ std::uint64_t packets(const Json& answer, const char* direction, const char* wha
 std::string line(const Json& before, const Json& now) {
     std::string text = fmt::format("{:8.1f} s  {:4} flows", now.at("running_s").get<double>(),
                                    now.at("flows").at("open").get<std::uint64_t>());
-    const double passed_s = now.at("running_s").get<double>() - before.at("running_s").get<double>();
+    const double running_s = now.at("running_s").get<double>(),
+                 before_s = before.at("running_s").get<double>();
+    const bool anew = running_s < before_s;  // another relay, which began to count since then
+    const double passed_s = running_s - (anew ? 0 : before_s);
     for (const char* direction : {"up", "down"}) {
         const auto count = [&](const char* what) {
-            return packets(now, direction, what) - packets(before, direction, what);
+            return packets(now, direction, what) - (anew ? 0 : packets(before, direction, what));
         };
         const Json& error = now.at(direction).at("due_time_error");
         text += fmt::format(" | {:<4} {:7.0f}/s in {:7.0f}/s out {:5} lost, late {:.1f} us p50 {:.1f} p99",

@@ -1,7 +1,10 @@
 // thimble-netem import: what a measuring program wrote becomes a trace.
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -9,7 +12,7 @@
 #include "common/error.hpp"
 #include "common/text_file.hpp"
 #include "netem/commands/commands.hpp"
-#include "netem/formats/text_lines.hpp"
+#include "netem/formats/trace_files.hpp"
 #include "netem/import/importers.hpp"
 
 namespace thimble {
@@ -25,10 +28,14 @@ struct ImportArguments {
     double least_delay_s = -1;  // below 0: as the stamps are
 };
 
+// pcapng, and pcap in microseconds and nanoseconds, in either order of bytes.
+constexpr std::array<std::string_view, 5> kCaptureBegins{
+    "\x0a\x0d\x0d\x0a", "\xd4\xc3\xb2\xa1", "\xa1\xb2\xc3\xd4", "\x4d\x3c\xb2\xa1", "\xa1\xb2\x3c\x4d"};
+
 std::string format_of(std::string_view text) {
-    if (text.empty()) return "ping";
-    const auto first = static_cast<unsigned char>(text.front());
-    if (first == 0xa1 || first == 0xd4 || first == 0x4d || first == 0x0a) return "pcap";
+    for (const std::string_view begin : kCaptureBegins) {
+        if (text.starts_with(begin)) return "pcap";
+    }
     const std::size_t visible = text.find_first_not_of(" \t\r\n");
     return visible != std::string_view::npos && text[visible] == '{' ? "irtt" : "ping";
 }

@@ -6,9 +6,9 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "netem/commands/commands.hpp"
 #include "netem/relay/packet_record.hpp"
 
@@ -16,8 +16,9 @@ namespace thimble {
 namespace {
 
 template <std::size_t kSize>
-std::size_t read_some(std::istream& file, std::array<std::uint8_t, kSize>& bytes) {
+std::size_t read_some(std::istream& file, const std::string& path, std::array<std::uint8_t, kSize>& bytes) {
     file.read(reinterpret_cast<char*>(bytes.data()), kSize);
+    refuse_half_read(file, path);
     return static_cast<std::size_t>(file.gcount());
 }
 
@@ -25,11 +26,11 @@ int print_log(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) throw Error(ExitCode::kData, "cannot read '{}': does it exist?", path);
     std::array<std::uint8_t, kLogHeaderBytes> header{};
-    check_log_header({header.data(), read_some(file, header)}, path);
+    check_log_header({header.data(), read_some(file, path, header)}, path);
     fmt::print("{}\n", record_csv_header());
     std::array<std::uint8_t, kRecordBytes> bytes{};
     for (std::uint64_t i = 0;; ++i) {
-        const std::size_t size = read_some(file, bytes);
+        const std::size_t size = read_some(file, path, bytes);
         if (size == 0) return 0;
         const auto record = size == kRecordBytes ? decode_record(bytes) : std::nullopt;
         if (!record) {

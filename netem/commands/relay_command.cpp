@@ -29,12 +29,15 @@ struct RelayOptions {
 
 // The same for the kernel's netem, and what it does not do. A qdisc holds for what leaves its device: DEVICE is on the way
 // to the server, and DEVICE,DEVICE names that and the one on the way to the clients.
-void print_tc_commands(const LinkPair& links, const std::string& devices) {
+void print_tc_commands(const Network& network, const std::string& devices) {
     const std::size_t comma = devices.find(',');
     const std::string to_server = devices.substr(0, comma);
     const std::string to_clients = comma == std::string::npos ? devices : devices.substr(comma + 1);
-    const auto print_way = [&](const std::string& way, const LinkSettings& link, const std::string& device) {
+    const auto print_way = [](const std::string& way, const LinkSettings& link, const Timeline& changes,
+                              const std::string& device) {
         fmt::print("# {}\n", way);
+        if (!changes.empty())
+            fmt::print("# differs: {} changes with time; tc would need a script\n", changes.size());
         if (link == LinkSettings{}) return fmt::print("# no netem is needed in this direction\n");
         const TcCommands tc = print_tc(link, device);
         fmt::print("{}\n", tc.command);
@@ -43,10 +46,10 @@ void print_tc_commands(const LinkPair& links, const std::string& devices) {
     const bool one = comma == std::string::npos;
     print_way(fmt::format("up: {} at its device towards the server",
                           one ? "on the clients' machine," : "on a router,"),
-              links.up, to_server);
+              network.links.up, network.timelines.up, to_server);
     print_way(fmt::format("down: {} at its device towards the clients",
                           one ? "on the server's machine," : "on a router,"),
-              links.down, to_clients);
+              network.links.down, network.timelines.down, to_clients);
 }
 
 // A bare port is that of all addresses, of IPv6 as well where this machine has it.
@@ -173,7 +176,7 @@ std::function<int()> add_relay(CLI::App& app) {
     add_run_options(app, *options);
     return [options] {
         if (options->print_tc.empty()) return options->selftest ? selftest(*options) : relay(*options);
-        print_tc_commands(read_network(options->network).links, options->print_tc);
+        print_tc_commands(read_network(options->network), options->print_tc);
         return 0;
     };
 }

@@ -345,9 +345,7 @@ PathFit fit_path(const MeasuredPath& path) {
     if (path.packets.size() < 2) {
         throw Error(ExitCode::kData, "a fit needs at least two packets; measure for longer");
     }
-    const auto needed =
-        static_cast<std::size_t>((fit.link.delay + fit.link.jitter.spread).count() / 1'000'000 + 1);
-    fit.link.capacity = std::max(fit.link.capacity, 2 * needed);  // as a session file without the key
+    make_room_for_delay(fit.link);  // as a session file without the key does
     fit_order(path, fit);
     describe_delay(fit);
     describe_order(fit);

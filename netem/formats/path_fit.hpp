@@ -41,7 +41,7 @@ struct PathFit {
     std::vector<std::string> sentences;  // for people
 };
 
-// Throws Error (data) if there are fewer than two packets with a delay and none lost.
+// Throws Error (data) if there are fewer than two packets.
 PathFit fit_path(const MeasuredPath& path);
 
 // Standardised delays as a table, for what no shape fits (print_jitter_table writes it).

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "netem/formats/text_lines.hpp"
 
 namespace thimble {

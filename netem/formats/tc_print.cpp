@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -161,7 +162,9 @@ class TcPrinter {
         const SlotSettings& slot = link_.slot;
         if (slot.most <= Duration::zero()) return;
         if (slot.shape == JitterShape::kUniform) {
-            say("slot {} {}", print_tc_time(slot.least), print_tc_time(slot.most));
+            say("slot {} {}", print_tc_time(std::max(slot.least, Duration::zero())),
+                print_tc_time(slot.most));
+            if (slot.least < Duration::zero()) cannot("slot: tc has no uniform gaps wider than their mean");
         } else {
             const Duration spread = (slot.most - slot.least) / 2;
             say("slot distribution {} {} {}", table_of(slot.shape), print_tc_time(slot.least + spread),

@@ -11,6 +11,7 @@
 
 #include "common/decimal_text.hpp"
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "netem/formats/jitter_table_file.hpp"
 #include "netem/formats/tc_command.hpp"
 #include "netem/formats/text_lines.hpp"
@@ -203,11 +204,10 @@ class TcParser {
     }
 
     void rate() {
-        link().rate.bits_per_s =
-            take("a rate such as 10mbit, above 0 and up to 1tbit", [](std::string_view word) {
-                const auto rate = parse_tc_rate(word);
-                return rate && *rate > 0 ? rate : std::nullopt;
-            });
+        link().rate.bits_per_s = take("a rate such as 10mbit, from 1bit to 1tbit", [](std::string_view word) {
+            const auto rate = parse_tc_rate(word);
+            return rate && *rate >= 1 ? rate : std::nullopt;
+        });
         RateSettings& rate = link().rate;
         rate.overhead_bytes = take_bytes("packetoverhead", "an overhead in bytes");
         rate.cell_bytes = take_bytes("cellsize", "a cell size in bytes");
@@ -273,18 +273,12 @@ class TcParser {
         } else if (overtakes) {
             link().in_order = false;
         }
-        if (seen_.count("limit") == 0) link().capacity = enough_capacity();
+        if (seen_.count("limit") == 0) make_room_for_delay(link());  // as in a session file
         if (jitter.spread > link().delay) {
             note(
                 "delay: the jitter is larger than the delay, and no delay is below 0: the mean is then "
                 "larger than requested");
         }
-    }
-    // As of a session file: twice what a flow of 1 kHz needs.
-    std::size_t enough_capacity() const {
-        const auto needed = static_cast<std::size_t>(
-            (result_.link.delay + result_.link.jitter.spread) / std::chrono::milliseconds{1} + 1);
-        return std::max(LinkSettings{}.capacity, 2 * needed);
     }
 
     LinkSettings& link() { return result_.link; }

@@ -35,8 +35,6 @@ class LineReader {
 };
 
 std::string_view trimmed(std::string_view text);  // without blanks and tabs at its ends
-// Words between blanks and tabs.
-std::vector<std::string_view> words_of(std::string_view text);
 // Fields between commas, trimmed.
 std::vector<std::string_view> fields_of(std::string_view line);
 

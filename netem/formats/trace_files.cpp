@@ -15,8 +15,9 @@
 namespace thimble {
 namespace {
 
-constexpr std::size_t kMostDeliveries = 50'000'000;         // ten minutes at 1 Gbit/s
-constexpr std::int64_t kLongestDeliveries_ms = 86'400'000;  // a day
+constexpr std::int64_t kLastPacket = std::int64_t{1} << 53;  // so far a double counts, too
+constexpr std::size_t kMostDeliveries = 50'000'000;          // ten minutes at 1 Gbit/s
+constexpr std::int64_t kLongestDeliveries_ms = 86'400'000;   // a day
 
 enum class Quantity : std::uint8_t { kTime, kPacket, kDelay, kLoss, kRate };
 
@@ -126,7 +127,8 @@ class PathParser {
                 return;
             case Quantity::kPacket:
                 packet.at = parse_whole<std::int64_t>(field).value_or(-1);
-                if (packet.at < 0) lines_.fail("packet: must be a whole number from 0");
+                if (packet.at < 0 || packet.at > kLastPacket)
+                    lines_.fail("packet: must be a whole number from 0 to {}", kLastPacket);
                 return;
             case Quantity::kDelay:
                 if (!field.empty()) packet.delay = Duration{nanoseconds_in(field, column, kLongestPathDelay)};
@@ -136,9 +138,10 @@ class PathParser {
                 return;
             case Quantity::kRate:
                 packet.bits_per_s = number_in(field, column, 1e12);
-                if (!(packet.bits_per_s > 0)) {
+                if (packet.bits_per_s < 1) {
                     lines_.fail(
-                        "rate: must be above 0; a link that sends nothing has an outage, or loses all");
+                        "rate: must be at least 1 bit/s; a link that sends nothing has an outage, or loses "
+                        "all");
                 }
                 return;
         }

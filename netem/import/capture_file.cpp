@@ -100,11 +100,9 @@ bool read_udp(std::string_view ip, std::int64_t stamp_ns, Capture& capture) {
     if (length < kUdpHeader) return false;
     const std::string_view payload = ip.substr(header + kUdpHeader, length - kUdpHeader);
     capture.datagrams.push_back({.stamp_ns = stamp_ns,
-                                 .from_port = static_cast<std::uint16_t>(big16(ip, header)),
                                  .to_port = static_cast<std::uint16_t>(big16(ip, header + 2)),
                                  .payload_bytes = static_cast<std::uint32_t>(length - kUdpHeader),
-                                 .payload_hash = std::hash<std::string_view>{}(payload),
-                                 .cut = payload.size() < length - kUdpHeader});
+                                 .payload_hash = std::hash<std::string_view>{}(payload)});
     return true;
 }
 

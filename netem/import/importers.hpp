@@ -30,10 +30,9 @@ MeasuredPath parse_ping(std::string_view text, std::string_view name, Duration i
 
 struct CapturedDatagram {
     std::int64_t stamp_ns = 0;  // since 1970, by the clock of the machine that captured
-    std::uint16_t from_port = 0, to_port = 0;
+    std::uint16_t to_port = 0;
     std::uint32_t payload_bytes = 0;  // as sent
     std::size_t payload_hash = 0;     // of what was captured of it
-    bool cut = false;                 // the capture holds less than was sent (tcpdump -s)
 };
 
 struct Capture {

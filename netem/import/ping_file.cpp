@@ -96,8 +96,10 @@ class PingParser {
     // The first number is 1 with iputils, 0 elsewhere; a first packet that was lost leaves no line.
     void build() {
         const std::int64_t first = std::min<std::int64_t>(replies_.begin()->first, 1);
-        const std::int64_t end =
-            std::max(last_ + 1, sent_ > 0 && sent_ < last_ + kLongestGap ? first + sent_ : 0);
+        if (sent_ - last_ > kLongestGap)
+            lines_.fail("{} packets were sent, and there is no reply after packet {}: too many are missing",
+                        sent_, last_);
+        const std::int64_t end = std::max(last_ + 1, first + sent_);
         read_stamps(first);
         for (std::int64_t number = first; number < end; ++number) append(number, first);
         remark();

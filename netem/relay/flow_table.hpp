@@ -58,6 +58,13 @@ class FlowTable {
         free_.push_back(place);
     }
 
+    // Takes back what find() has just opened: a client that got no socket is no flow.
+    void refuse(std::uint32_t place) {
+        close(place);
+        --opened_;
+        --next_number_[flows_[place].name.inlet];
+    }
+
     // Open places that gave no sign of life since `before`, to be judged by the caller.
     std::span<const std::uint32_t> idle_since(SessionTime before) {
         idle_.clear();

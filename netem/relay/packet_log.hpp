@@ -50,13 +50,8 @@ class PacketLog final : public PacketSink, boost::noncopyable {
 
     // from one thread only
     void add(const PacketRecord& record) override {
-        if (gap_ > 0) {
-            PacketRecord gap;
-            gap.packet = gap_;
-            gap.received_ns = record.received_ns;
-            gap.fate = LoggedFate::kGap;
-            if (queue_.push(gap)) gap_ = 0;
-        }
+        last_ns_ = record.received_ns;
+        if (gap_ > 0 && queue_.push(gap())) gap_ = 0;
         if (gap_ > 0 || !queue_.push(record)) {
             ++missing_;
             ++gap_;
@@ -68,6 +63,8 @@ class PacketLog final : public PacketSink, boost::noncopyable {
     void finish() {
         stop_ = true;
         if (thread_.joinable()) thread_.join();
+        if (gap_ > 0) write(gap());
+        gap_ = 0;
         file_.flush();
         if (!file_) {
             throw Error(ExitCode::kData, "the packet log '{}' is incomplete: is the disk full?",
@@ -89,6 +86,8 @@ class PacketLog final : public PacketSink, boost::noncopyable {
         }
     }
 
+    PacketRecord gap() const { return {.packet = gap_, .received_ns = last_ns_, .fate = LoggedFate::kGap}; }
+
     void write(const PacketRecord& record) {
         if (text_) {
             file_ << to_csv(record) << '\n';
@@ -103,6 +102,7 @@ class PacketLog final : public PacketSink, boost::noncopyable {
     std::ofstream file_;
     boost::lockfree::spsc_queue<PacketRecord> queue_;
     std::uint64_t missing_ = 0, gap_ = 0;  // in all; since the last record that found room
+    std::int64_t last_ns_ = 0;             // when the packet of the last record came
     std::atomic<bool> stop_{false};
     std::thread thread_;
 };

@@ -41,6 +41,26 @@ std::string_view to_string(LoggedFate fate) {
     return kNames[static_cast<std::size_t>(fate)];
 }
 
+PacketRecord record_of(const Departure& departure, SessionTime sent, bool accepted) {
+    return {.packet = departure.packet,
+            .received_ns = to_nanoseconds(departure.received),
+            .due_ns = to_nanoseconds(departure.due),
+            .sent_ns = accepted ? to_nanoseconds(sent) : 0,
+            .bytes = static_cast<std::uint32_t>(departure.bytes.size()),
+            .fate = accepted ? LoggedFate::kSent : LoggedFate::kRefused,
+            .corrupted = departure.corrupted,
+            .copy = departure.copy};
+}
+
+void DropLog::on_drop(std::uint64_t packet, SessionTime received, std::size_t bytes, DropReason reason) {
+    PacketRecord record = fixed_;
+    record.packet = packet;
+    record.received_ns = to_nanoseconds(received);
+    record.bytes = static_cast<std::uint32_t>(bytes);
+    record.fate = fate_of(reason);
+    log_->add(record);
+}
+
 std::array<std::uint8_t, kLogHeaderBytes> log_header() {
     std::array<std::uint8_t, kLogHeaderBytes> bytes{};
     std::copy(kMagic.begin(), kMagic.end(), bytes.begin());

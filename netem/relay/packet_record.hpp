@@ -72,6 +72,20 @@ class PacketSink {
     virtual std::uint64_t missing() const { return 0; }
 };
 
+// Of a packet that left its link: `accepted` says whether the kernel took it.
+PacketRecord record_of(const Departure& departure, SessionTime sent, bool accepted);
+
+// Records what a link drops. The fields that a link does not know are those of `fixed`.
+class DropLog final : public LinkObserver {
+  public:
+    DropLog(PacketSink& log, const PacketRecord& fixed) : log_(&log), fixed_(fixed) {}
+    void on_drop(std::uint64_t packet, SessionTime received, std::size_t bytes, DropReason reason) override;
+
+  private:
+    PacketSink* log_;
+    PacketRecord fixed_;
+};
+
 inline constexpr std::size_t kRecordBytes = 48;
 inline constexpr std::size_t kLogHeaderBytes = 16;
 

@@ -22,27 +22,6 @@ std::size_t index(RelayDirection direction) { return static_cast<std::size_t>(di
 
 }  // namespace
 
-// A link does not know its flow: the engine sets it before each push.
-class RelayEngine::DropLog final : public LinkObserver {
-  public:
-    explicit DropLog(PacketSink& log) : log_(&log) {}
-
-    void expect(const PacketRecord& record, std::size_t bytes) {
-        record_ = record;
-        record_.bytes = static_cast<std::uint32_t>(bytes);
-    }
-    void on_drop(std::uint64_t packet, SessionTime received, DropReason reason) override {
-        record_.packet = packet;
-        record_.received_ns = to_nanoseconds(received);
-        record_.fate = fate_of(reason);
-        log_->add(record_);
-    }
-
-  private:
-    PacketSink* log_;
-    PacketRecord record_;
-};
-
 RelayEngine::RelayEngine(const RelaySettings& settings, PacketSink* log)
     : settings_(settings),
       log_(log),
@@ -59,7 +38,6 @@ RelayEngine::RelayEngine(const RelaySettings& settings, PacketSink* log)
     totals_.closed_ports.resize(settings_.inlets.size());
     active_.reserve(2 * settings.most_flows);
     outgoing_.reserve(SendBatch::kSize);
-    if (log_ != nullptr) drops_ = std::make_unique<DropLog>(*log_);
     for (const RelayInlet& inlet : settings_.inlets) {
         inlets_.push_back(UdpSocket::listening(inlet.listen));
         inlets_.back().tell_traffic_class();
@@ -136,36 +114,17 @@ void RelayEngine::flush() {
 }
 
 void RelayEngine::record_sent(const Outgoing& out, SessionTime sent, bool accepted) {
-    DirectionTotals& totals = totals_.direction[out.link % 2];
-    if (accepted) {
-        totals.bytes += out.departure.bytes.size();
-        totals.delay.add(sent - out.departure.received);
-        totals.delay_moments.add(sent - out.departure.received);
-        totals.error.add(sent - out.departure.due);
-        totals.error_moments.add(sent - out.departure.due);
-        if (sent - out.departure.due > kStall) ++totals.late;
-    } else {
-        ++totals.refused;
-    }
+    totals_.direction[out.link % 2].note(out.departure, sent, accepted);
     if (log_ == nullptr) return;
-    PacketRecord record = record_of(out.link);
-    record.packet = out.departure.packet;
-    record.received_ns = to_nanoseconds(out.departure.received);
-    record.due_ns = to_nanoseconds(out.departure.due);
-    record.sent_ns = accepted ? to_nanoseconds(sent) : 0;
-    record.bytes = static_cast<std::uint32_t>(out.departure.bytes.size());
-    record.fate = accepted ? LoggedFate::kSent : LoggedFate::kRefused;
-    record.corrupted = out.departure.corrupted;
-    record.copy = out.departure.copy;
+    PacketRecord record = record_of(out.departure, sent, accepted);
+    name_link(record, out.link);
     log_->add(record);
 }
 
-PacketRecord RelayEngine::record_of(std::uint32_t link) const {
-    PacketRecord record;
+void RelayEngine::name_link(PacketRecord& record, std::uint32_t link) const {
     record.flow = table_.number(link / 2);
     record.inlet = static_cast<std::uint16_t>(table_.name(link / 2).inlet);
     record.direction = static_cast<RelayDirection>(link % 2);
-    return record;
 }
 
 void RelayEngine::receive(std::span<const epoll_event> events) {
@@ -217,7 +176,6 @@ void RelayEngine::receive_from_server(std::uint32_t place) {
 void RelayEngine::push(std::uint32_t link, const ReceiveBatch::Datagram& datagram, SessionTime received) {
     SessionTime& last = flows_[link / 2]->last_received[link % 2];
     last = std::max(last, received);
-    if (drops_) drops_->expect(record_of(link), datagram.bytes.size());
     model(link).push(last, datagram.bytes, datagram.traffic_class);
     due_.set(link, model(link).next_due());
 }
@@ -227,7 +185,7 @@ std::optional<std::uint32_t> RelayEngine::flow_of(const FlowName& name, SessionT
     const auto found = table_.find(name, now);
     if (!found) return std::nullopt;
     if (found->fresh && !open_flow(found->place, received)) {
-        table_.close(found->place);
+        table_.refuse(found->place);
         return std::nullopt;
     }
     return found->place;
@@ -243,11 +201,19 @@ bool RelayEngine::open_flow(std::uint32_t place, SessionTime received) {
              LinkModel(settings_.links.down, key, kRelayDown, settings_.timelines.down, start_, received)}});
         flow->server.tell_traffic_class();
         if (!waiter_.add(flow->server.descriptor(), place)) return false;
-        for (LinkModel& link : flow->links) link.observe(drops_.get());
+        if (log_ != nullptr) log_drops(*flow, place);
         flows_[place] = std::move(flow);
         return true;
     } catch (const Error&) {
         return false;  // no more sockets: counted, the other flows go on
+    }
+}
+
+void RelayEngine::log_drops(Flow& flow, std::uint32_t place) {
+    for (std::uint32_t d = 0; d < 2; ++d) {
+        PacketRecord fixed;
+        name_link(fixed, 2 * place + d);
+        flow.links[d].observe(&flow.drops[d].emplace(*log_, fixed));
     }
 }
 
@@ -283,10 +249,7 @@ void RelayEngine::housekeep(SessionTime now) {
 
 void RelayEngine::change(SessionTime now, const LinkPair& links) {
     settings_.links = links;
-    for (Timeline* timeline : {&settings_.timelines.up, &settings_.timelines.down}) {
-        // New flows must not use the settings that this change replaces.
-        std::erase_if(*timeline, [&](const LinkChange& change) { return start_ + change.at <= now; });
-    }
+    forget_passed(settings_.timelines, now - start_);
     for (std::uint32_t place = 0; place < flows_.size(); ++place) {
         if (!table_.open(place)) continue;
         flows_[place]->links[index(RelayDirection::kUp)].change(now, links.up);
@@ -296,7 +259,12 @@ void RelayEngine::change(SessionTime now, const LinkPair& links) {
 }
 
 RelayState RelayEngine::state(SessionTime now) const {
-    return {links(), totals(now), waiter_.counters(), waiter_.margin(), waiter_.precise(), send_lead()};
+    return {.links = links_at(settings_.links, settings_.timelines, now - start_),
+            .totals = totals(now),
+            .waiting = waiter_.counters(),
+            .margin = waiter_.margin(),
+            .precise = waiter_.precise(),
+            .send_lead = send_lead()};
 }
 
 RelayTotals RelayEngine::totals(SessionTime now) const {

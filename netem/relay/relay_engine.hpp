@@ -43,7 +43,6 @@ class RelayEngine final : public SteeredRelay {
 
     // From now on other links, for all flows; what is in flight keeps its fate.
     void change(SessionTime now, const LinkPair& links) override;
-    const LinkPair& links() const { return settings_.links; }
 
     RelayTotals totals(SessionTime now) const;
     // Without the counters of open flows, which totals() sums up.
@@ -62,13 +61,13 @@ class RelayEngine final : public SteeredRelay {
         std::array<LinkModel, 2> links;  // RelayDirection
         std::array<SessionTime, 2> last_received{};
         ReceiveTurn turn{};
+        std::array<std::optional<DropLog>, 2> drops{};
     };
     // The packets that the batch sends.
     struct Outgoing {
         std::uint32_t link = 0;
         Departure departure;
     };
-    class DropLog;
 
     void send_due(SessionTime now);
     void serve(std::uint32_t link, SessionTime now);
@@ -86,7 +85,8 @@ class RelayEngine final : public SteeredRelay {
     void housekeep(SessionTime now);
 
     LinkModel& model(std::uint32_t link) { return flows_[link / 2]->links[link % 2]; }
-    PacketRecord record_of(std::uint32_t link) const;
+    void name_link(PacketRecord& record, std::uint32_t link) const;
+    void log_drops(Flow& flow, std::uint32_t place);
 
     RelaySettings settings_;
     PacketSink* log_;
@@ -107,7 +107,6 @@ class RelayEngine final : public SteeredRelay {
     SessionTime last_housekeeping_;
     int batch_socket_ = -1;
     std::vector<Outgoing> outgoing_;
-    std::unique_ptr<DropLog> drops_;
     RelayTotals totals_;  // without the counters of flows that are open
     SessionTime start_, next_housekeeping_, next_expiry_;
 };

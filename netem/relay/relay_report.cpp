@@ -44,12 +44,11 @@ Json describe_delay(const LinkSettings& link, const DirectionTotals& totals) {
             {"achieved_worst_s", to_seconds(delay.worst())}};
 }
 
-// Of the packets that the loss model could have lost.
+// Of all packets: the loss model decides first, also on those in an outage.
 Json describe_loss(const LinkSettings& link, const LinkCounters& packets) {
-    const std::uint64_t asked = packets.pushed - packets.oversized - packets.outage;
-    const ProportionInterval interval = wilson_95(packets.lost, asked);
+    const ProportionInterval interval = wilson_95(packets.lost, packets.pushed);
     return {{"asked", stationary_loss(link.loss)},
-            {"achieved", share_of(packets.lost, asked)},
+            {"achieved", share_of(packets.lost, packets.pushed)},
             {"low_95", interval.low},
             {"high_95", interval.high}};
 }

@@ -1,7 +1,9 @@
 // The settings of a stand-alone relay.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <vector>
 
 #include "common/runtime/udp_socket.hpp"
@@ -19,6 +21,23 @@ struct LinkPair {
 struct TimelinePair {
     Timeline up, down;
 };
+
+// The settings that hold `passed` after the start: the last change until then, or `first`.
+inline const LinkSettings& link_at(const LinkSettings& first, const Timeline& timeline, Duration passed) {
+    const auto next =
+        std::upper_bound(timeline.begin(), timeline.end(), passed,
+                         [](Duration time, const LinkChange& change) { return time < change.at; });
+    return next == timeline.begin() ? first : std::prev(next)->settings;
+}
+inline LinkPair links_at(const LinkPair& first, const TimelinePair& timelines, Duration passed) {
+    return {link_at(first.up, timelines.up, passed), link_at(first.down, timelines.down, passed)};
+}
+
+// A change by hand replaces those that have passed: they must not come back.
+inline void forget_passed(TimelinePair& timelines, Duration passed) {
+    for (Timeline* timeline : {&timelines.up, &timelines.down})
+        std::erase_if(*timeline, [passed](const LinkChange& change) { return change.at <= passed; });
+}
 
 struct RelayInlet {
     UdpAddress listen, to;

@@ -45,6 +45,20 @@ struct DirectionTotals {
     Histogram error;            // sent minus due, never below zero: nothing leaves early
     DelayMoments delay_moments, error_moments;
     std::uint64_t in_flight = 0;  // now, of all flows
+
+    // A packet that left its link: `accepted` says whether the kernel took it.
+    void note(const Departure& departure, SessionTime sent, bool accepted) {
+        if (!accepted) {
+            ++refused;
+            return;
+        }
+        bytes += departure.bytes.size();
+        delay.add(sent - departure.received);
+        delay_moments.add(sent - departure.received);
+        error.add(sent - departure.due);
+        error_moments.add(sent - departure.due);
+        if (sent - departure.due > kStall) ++late;
+    }
 };
 
 struct RelayTotals {

@@ -52,7 +52,11 @@ void RequestServer::run() {
 
 void RequestServer::let_in() {
     const int visitor = accept4(listening_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
-    if (visitor < 0) return;
+    if (visitor < 0) {
+        // Without a free descriptor the visitor waits outside, and poll() would return at once.
+        if (!may_come_later()) wall_sleep(std::chrono::milliseconds{kLatestLook_ms});
+        return;
+    }
     if (visitors_.size() < std::size_t{kMostVisitors}) {
         visitors_.push_back({visitor, wall_now() + patience_});
     } else {

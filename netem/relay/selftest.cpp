@@ -5,6 +5,9 @@
 #include <map>
 #include <optional>
 
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
 #include "common/runtime/event_waiter.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
@@ -16,9 +19,14 @@
 namespace thimble {
 namespace {
 
-// Time for the last packets: delays of the links, and stalls of the machine.
+// Time for the last packets beyond what the links take: stalls of the machine.
 constexpr Duration kSettling = std::chrono::milliseconds{300};
 constexpr Duration kPathStopLatency = std::chrono::milliseconds{100};  // of a path that waits
+
+constexpr Duration kLongToWait = std::chrono::seconds{5};
+constexpr double kLongestDrain_s = 600;
+
+Duration bare_part(const SelftestSettings& settings) { return settings.length / 10; }
 
 // Keeps as many records as there is room for.
 class Records final : public PacketSink {
@@ -45,9 +53,42 @@ class Records final : public PacketSink {
     std::vector<PacketRecord> records_;
 };
 
-Duration slowest(const LinkPair& links) {
-    const auto way = [](const LinkSettings& link) { return link.delay + 6 * link.jitter.spread; };
-    return way(links.up) + way(links.down) + kSettling;
+std::size_t packets_of(const SelftestSettings& settings) {
+    return static_cast<std::size_t>((settings.length - 2 * bare_part(settings)) / kTrafficPeriod);
+}
+
+// How long a link with a rate still sends after so many packets of `bytes`: what it is behind, or what it holds.
+double queue_s(const LinkSettings& link, std::size_t packets, std::size_t bytes) {
+    const RateSettings& rate = link.rate;
+    if (rate.bits_per_s == 0) return 0;
+    std::size_t on_air = bytes + rate.overhead_bytes;
+    if (rate.cell_bytes > 0)
+        on_air = (on_air / rate.cell_bytes + 1) * (rate.cell_bytes + rate.cell_overhead_bytes);
+    const double each_s = 8.0 * static_cast<double>(on_air) / rate.bits_per_s;
+    std::size_t held = link.capacity;
+    if (rate.queue_packets > 0) held = std::min(held, rate.queue_packets + 1);
+    if (rate.queue_bytes > 0) held = std::min(held, rate.queue_bytes / bytes + 1);
+    const double behind_s = (link.duplicate > 0 ? 2 : 1) * each_s - to_seconds(kTrafficPeriod);
+    return std::min(static_cast<double>(held) * each_s,
+                    static_cast<double>(packets) * std::max(0.0, behind_s));
+}
+
+// Of the slowest settings that a way has during the test.
+double way_s(const LinkSettings& first, const Timeline& timeline, Duration length, std::size_t packets,
+             std::size_t bytes) {
+    const auto last_packet_s = [&](const LinkSettings& link) {
+        return to_seconds(nearly_longest_delay(link)) + queue_s(link, packets, bytes);
+    };
+    double longest_s = last_packet_s(first);
+    for (const LinkChange& change : timeline)
+        if (change.at < length) longest_s = std::max(longest_s, last_packet_s(change.settings));
+    return longest_s;
+}
+
+void say_if_long(Duration drain) {
+    if (drain < kLongToWait) return;
+    spdlog::info("the test ends {:.0f} s after its last packet: this network may hold packets for so long",
+                 to_seconds(drain));
 }
 
 class RelayPath final : public SelftestPath {
@@ -119,10 +160,26 @@ SelftestDirection examine(const TwinLink& link, std::size_t bytes, const Traffic
 
 std::unique_ptr<SelftestPath> make_relay_path() { return std::make_unique<RelayPath>(); }
 
+Duration selftest_drain(const SelftestSettings& settings, std::size_t header_bytes) {
+    const std::size_t packets = packets_of(settings);
+    const double ways_s =
+        way_s(settings.links.up, settings.timelines.up, settings.length, packets, kUpBytes + header_bytes) +
+        way_s(settings.links.down, settings.timelines.down, settings.length, packets,
+              kDownBytes + header_bytes);
+    if (ways_s > kLongestDrain_s) {
+        throw Error(ExitCode::kUsage,
+                    "self-test: this network may hold packets for {:.0f} s, longer than {} s: give a smaller "
+                    "--seconds or capacity, or a higher rate",
+                    ways_s, kLongestDrain_s);
+    }
+    return from_seconds(ways_s) + kSettling;
+}
+
 SelftestResult run_selftest(const SelftestSettings& settings, SelftestPath& path) {
-    const Duration bare = settings.length / 10;
-    const auto packets = static_cast<std::size_t>((settings.length - 2 * bare) / kTrafficPeriod);
-    SelftestTraffic traffic(packets, slowest(settings.links), path.server());
+    const Duration bare = bare_part(settings), drain = selftest_drain(settings, path.header_bytes());
+    say_if_long(drain);
+    const std::size_t packets = packets_of(settings);
+    SelftestTraffic traffic(packets, drain, path.server());
     traffic.launch();
     Records records(8 * packets + 16);
     install_stop_signals();

@@ -81,6 +81,8 @@ class SelftestPath : boost::noncopyable {
 
 // Throws Error (network) if loopback UDP cannot be used.
 std::unique_ptr<SelftestPath> make_relay_path();
+// How long the last packets may be on their way, there and back. Throws Error (usage) if that is too long to wait for.
+Duration selftest_drain(const SelftestSettings& settings, std::size_t header_bytes);
 SelftestResult run_selftest(const SelftestSettings& settings, SelftestPath& path);
 
 nlohmann::ordered_json describe(const SelftestResult& result);

@@ -33,28 +33,6 @@ bool same(Bytes a, const std::vector<std::uint8_t>& b) {
 
 }  // namespace
 
-class PacketRelay::DropNote final : public LinkObserver {
-  public:
-    DropNote(PacketSink& log, std::size_t direction)
-        : log_(&log), direction_(static_cast<RelayDirection>(direction)) {}
-
-    void expect(std::size_t bytes) { bytes_ = bytes; }
-    void on_drop(std::uint64_t packet, SessionTime received, DropReason reason) override {
-        PacketRecord record;
-        record.packet = packet;
-        record.received_ns = to_nanoseconds(received);
-        record.bytes = static_cast<std::uint32_t>(bytes_);
-        record.direction = direction_;
-        record.fate = fate_of(reason);
-        log_->add(record);
-    }
-
-  private:
-    PacketSink* log_;
-    RelayDirection direction_;
-    std::size_t bytes_ = 0;
-};
-
 PacketRelay::PacketRelay(const PacketRelaySettings& settings, PacketSink* log, int wake)
     : settings_(settings),
       log_(log),
@@ -69,8 +47,8 @@ PacketRelay::PacketRelay(const PacketRelaySettings& settings, PacketSink* log, i
     for (std::size_t i = 0; i < ports_.size(); ++i) added = waiter_.add(ports_[i].descriptor, i) && added;
     if (!added) throw Error(ExitCode::kRunFailed, "cannot wait for packets: too many open files?");
     for (std::size_t d = 0; log_ != nullptr && d < 2; ++d) {
-        drops_[d] = std::make_unique<DropNote>(*log_, d);
-        links_[d].observe(drops_[d].get());
+        const PacketRecord fixed{.direction = static_cast<RelayDirection>(d)};
+        links_[d].observe(&drops_[d].emplace(*log_, fixed));
     }
 }
 
@@ -148,28 +126,12 @@ void PacketRelay::send(std::size_t direction, const Departure& departure) {
 
 void PacketRelay::record_sent(std::size_t direction, const Departure& departure, SessionTime sent,
                               bool accepted) {
-    DirectionTotals& totals = totals_.direction[direction];
-    if (accepted) {
-        totals.bytes += departure.bytes.size();
-        note_stages(direction, departure);
-        totals.delay.add(sent - departure.received);
-        totals.delay_moments.add(sent - departure.received);
-        totals.error.add(sent - departure.due);
-        totals.error_moments.add(sent - departure.due);
-        if (sent - departure.due > kStall) ++totals.late;
-    } else {
-        ++totals.refused;
-    }
+    totals_.direction[direction].note(departure, sent, accepted);
+    if (accepted) note_stages(direction, departure);
     if (log_ == nullptr) return;
-    log_->add({.packet = departure.packet,
-               .received_ns = to_nanoseconds(departure.received),
-               .due_ns = to_nanoseconds(departure.due),
-               .sent_ns = accepted ? to_nanoseconds(sent) : 0,
-               .bytes = static_cast<std::uint32_t>(departure.bytes.size()),
-               .direction = static_cast<RelayDirection>(direction),
-               .fate = accepted ? LoggedFate::kSent : LoggedFate::kRefused,
-               .corrupted = departure.corrupted,
-               .copy = departure.copy});
+    PacketRecord record = record_of(departure, sent, accepted);
+    record.direction = static_cast<RelayDirection>(direction);
+    log_->add(record);
 }
 
 void PacketRelay::note_stages(std::size_t direction, const Departure& departure) {
@@ -212,7 +174,6 @@ bool PacketRelay::read_one(std::size_t port, DeviceStamps& stamps) {
 
 // A link's packets never go back in time.
 void PacketRelay::push(std::size_t direction, const IpPacket& packet, SessionTime received) {
-    if (drops_[direction]) drops_[direction]->expect(packet.bytes.size());
     last_received_[direction] = std::max(last_received_[direction], received);
     links_[direction].push(last_received_[direction], packet.bytes, packet.traffic_class);
 }
@@ -225,12 +186,13 @@ void PacketRelay::close_port(std::size_t port) {
 
 void PacketRelay::change(SessionTime now, const LinkPair& links) {
     settings_.links = links;
+    forget_passed(settings_.timelines, now - start_);
     links_[0].change(now, links.up);
     links_[1].change(now, links.down);
 }
 
 RelayState PacketRelay::state(SessionTime now) const {
-    RelayState state{.links = settings_.links,
+    RelayState state{.links = links_at(settings_.links, settings_.timelines, now - start_),
                      .totals = totals_,
                      .waiting = waiter_.counters(),
                      .margin = waiter_.margin(),

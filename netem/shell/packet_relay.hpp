@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/runtime/event_waiter.hpp"
@@ -85,8 +86,6 @@ class PacketRelay final : public SteeredRelay {
     const EventWaiter& waiter() const { return waiter_; }
 
   private:
-    class DropNote;
-
     void send_due(SessionTime now);
     bool send_turn(std::size_t direction, SessionTime now);
     void send(std::size_t direction, const Departure& departure);
@@ -113,7 +112,7 @@ class PacketRelay final : public SteeredRelay {
     std::array<LinkModel, 2> links_;                     // RelayDirection
     std::vector<PacketPort> ports_;                      // the inner one, then the outer ones
     std::vector<std::unique_ptr<DeviceStamps>> stamps_;  // of each port
-    std::array<std::unique_ptr<DropNote>, 2> drops_;
+    std::array<std::optional<DropLog>, 2> drops_;
     std::array<SessionTime, 2> last_received_{};
     LeastLately handling_, writing_;    // from waking to the call that sends; that call
     SessionTime woken_ = kNever;        // by a due time, until the first packet has been sent

@@ -188,7 +188,10 @@ ProgramRoom::ProgramRoom(const RoomSettings& settings) {
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0)
         throw Error(ExitCode::kRunFailed, "cannot make a socket pair: {}", std::strerror(errno));
     pid_ = fork();
-    if (pid_ == 0) be_child(settings, ends[1]);
+    if (pid_ == 0) {
+        close(ends[0]);  // else it would not notice that this process has closed the line
+        be_child(settings, ends[1]);
+    }
     line_ = ends[0];
     close(ends[1]);
     try {

@@ -16,7 +16,6 @@ constexpr Duration kPatience = std::chrono::seconds{2};
 }  // namespace
 
 SignalLine::SignalLine() : descriptor_(-1) {
-    std::signal(SIGCHLD, SIG_DFL);  // ignored, as some parents hand it down, it leaves no exit codes
     sigset_t wanted;
     sigemptyset(&wanted);
     for (const int number : kForwarded) sigaddset(&wanted, number);
@@ -65,6 +64,19 @@ void Programs::look(SessionTime now) {
         kill_at_ = now + kPatience;
     }
     if (now >= kill_at_) signal_all(SIGKILL);
+    reap_orphans();
+}
+
+// As init does: else a script that waits for the end of its daemon would wait for ever.
+void Programs::reap_orphans() const {
+    const auto has_waiter = [this](pid_t child) {
+        const auto is_room = [child](const auto& room) { return room->pid() == child; };
+        return child == spared_ || std::any_of(rooms_.begin(), rooms_.end(), is_room);
+    };
+    for (siginfo_t ended{}; waitid(P_ALL, 0, &ended, WEXITED | WNOHANG | WNOWAIT) == 0; ended = {}) {
+        if (ended.si_pid == 0 || has_waiter(ended.si_pid)) return;
+        waitpid(ended.si_pid, nullptr, 0);
+    }
 }
 
 void Programs::note_end(std::size_t program, int status, SessionTime now) {

@@ -26,8 +26,9 @@ class SignalLine : boost::noncopyable {
 
 class Programs {
   public:
-    // Of a pair all end when one has ended, or at Ctrl-C.
-    explicit Programs(std::vector<std::unique_ptr<ProgramRoom>> rooms) : rooms_(std::move(rooms)) {
+    // Of a pair all end when one has ended, or at Ctrl-C. `spared`: a child of this process that has a waiter of its own.
+    explicit Programs(std::vector<std::unique_ptr<ProgramRoom>> rooms, pid_t spared = -1)
+        : rooms_(std::move(rooms)), spared_(spared) {
         codes_.resize(rooms_.size());
     }
     const ProgramRoom& room(std::size_t i) const { return *rooms_[i]; }
@@ -42,9 +43,11 @@ class Programs {
 
   private:
     void signal_all(int number);
+    void reap_orphans() const;
     void note_end(std::size_t program, int status, SessionTime now);
 
     std::vector<std::unique_ptr<ProgramRoom>> rooms_;
+    pid_t spared_;
     std::vector<std::optional<int>> codes_;
     int exit_code_ = 0, asked_ = 0;
     int asked_code_ = 0;                              // of the signal that asked for the end

@@ -135,7 +135,8 @@ ShellResult run_one(const ShellSettings& settings, SignalLine& signals) {
     Uplink uplink;
     Programs programs(make_rooms({{.command = settings.commands[0],
                                    .addresses = uplink.program_addresses(),
-                                   .name_server = uplink.name_server()}}));
+                                   .name_server = uplink.name_server()}}),
+                      uplink.slirp());
     const Sweeper sweeper{uplink.slirp()};
     const Environment environment = uplink.environment(programs.room(0).has_ip6());
     spdlog::info("this machine is {}{}, {:g} ms up, {:g} ms down", environment[0].second,

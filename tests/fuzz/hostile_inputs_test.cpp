@@ -157,6 +157,12 @@ TEST(HostileNetworkFiles, SeedsAreReadAndDamagedOnesRefusedOrGood) {
     }
 }
 
+TEST(HostileNetworkFiles, SlotsMayBeWiderThanTheirMean) {
+    const Verdict verdict = check_network_files(bytes_of_text("0slot distribution pareto 1ms 2ms"));
+    EXPECT_TRUE(verdict.accepted);
+    EXPECT_EQ(verdict.flaw, "");
+}
+
 // How many of these inputs were accepted. No input may break a promise.
 int accepted_of(int count, Check check, const std::function<Octets(int, RandomStream&)>& input) {
     RandomStream random({3, 0, 0, 0, Purpose::kInstance});

@@ -36,8 +36,8 @@ std::string flaw_of_link(const LinkSettings& link) {
         if (!is_share(share)) return "a share out of its range";
     }
     if (!(link.rate.bits_per_s >= 0 && link.rate.bits_per_s <= 1e12)) return "a rate out of its range";
-    if (link.slot.least > link.slot.most || link.slot.least < Duration::zero())
-        return "slots out of their range";
+    // A distribution of slots may be wider than its mean: what it has below 0 has no length.
+    if (link.slot.least > link.slot.most || link.slot.least < -kMinute) return "slots out of their range";
     if (link.capacity < 1 || link.capacity > 1'000'000) return "a capacity out of its range";
     return "";
 }
@@ -85,7 +85,7 @@ std::string flaw_of_path(const MeasuredPath& path) {
             return "a delay out of its range";
         }
         if (!is_share(packet.loss)) return "a loss out of its range";
-        if (path.has_rate && !(packet.bits_per_s > 0)) return "no rate";
+        if (path.has_rate && !(packet.bits_per_s >= 1)) return "no rate";
     }
     MeasuredPath again = parse_path(print_path(path), kNetworkName);
     if (again.packets != path.packets) return "a path that changes when it is written and read again";

@@ -74,6 +74,7 @@ TEST_F(LiveDelay, ASilenceIsExcusedForAsLongAsTheNewDelay) {
     run_for(seconds{3});
     EXPECT_TRUE(rig.session().running());  // what left 30 s ago arrives
     EXPECT_EQ(round_trip_s(), 30);
+    EXPECT_EQ(rig.netem().relays()[1].model.counters().overflowed, 0U);  // 30,000 were on their way
 }
 
 TEST_F(LiveDelay, TheRecordSaysWhen) {

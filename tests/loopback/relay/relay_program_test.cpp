@@ -24,6 +24,8 @@
 #include "common/time.hpp"
 #include "netem/relay/datagram_batch.hpp"
 #include "netem/relay/packet_record.hpp"
+#include "netem/relay/relay_report.hpp"
+#include "netem/relay/request_server.hpp"
 #include "tests/loopback/workbench.hpp"
 
 namespace thimble {
@@ -232,6 +234,29 @@ TEST_F(RelayProgram, ObeysItsControlSocket) {
     EXPECT_EQ(run_netem({"show", "--control", control}).code, 3);
 }
 
+// Another relay may answer at the same path, with smaller counters.
+TEST_F(RelayProgram, WatchesARelayThatStartsAgain) {
+    const std::string control = folder_ / "control";
+    sockaddr_un name{};
+    name.sun_family = AF_UNIX;
+    control.copy(name.sun_path, sizeof name.sun_path - 1);
+    const int listening = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    ASSERT_EQ(bind(listening, static_cast<sockaddr*>(static_cast<void*>(&name)), sizeof name), 0);
+    ASSERT_EQ(listen(listening, 1), 0);
+    RelayState state;
+    state.totals.running = std::chrono::seconds{9};
+    state.totals.direction[0].packets.pushed = 100;
+    const RequestServer stand_in(listening, kPatience, 4096, [&](std::string_view) {
+        nlohmann::ordered_json answer{{"ok", true}};
+        answer.update(describe(state));
+        state.totals.running = std::chrono::seconds{2};
+        state.totals.direction[0].packets.pushed = 6;
+        return answer.dump();
+    });
+    const Ended watch = run_netem({"watch", "--control", control, "--lines", "1"});
+    EXPECT_THAT(watch.printed, HasSubstr("| up         3/s in"));
+}
+
 TEST_F(RelayProgram, OutlivesGarbageOnItsControlSocket) {
     const std::string control = folder_ / "control";
     NetemProgram netem(in_front({"--control", control}));
@@ -305,6 +330,10 @@ TEST_F(RelayProgram, SaysWhatTcsWordsMean) {
     const Ended printed = run_netem({"--profile", "delay 30ms", "--print-tc", "eth1,eth0"});
     EXPECT_THAT(printed.printed, HasSubstr("towards the server\ntc qdisc add dev eth1 root netem"));
     EXPECT_THAT(printed.printed, HasSubstr("towards the clients\n# no netem is needed"));
+    const std::string changing =
+        folder_.write("p.toml", "[[change]]\nat_s = 5\ndirection = 'up'\nloss = 1\n");
+    EXPECT_THAT(run_netem({"--profile", changing, "--print-tc", "eth1,eth0"}).printed,
+                HasSubstr("towards the server\n# differs: 1 changes with time; tc would need a script\n"));
 }
 
 TEST_F(RelayProgram, RefusesAPortThatIsTaken) {
@@ -332,6 +361,7 @@ TEST_F(RelayProgram, SaysWhatIsWrongWithACommandLine) {
     EXPECT_EQ(run_netem({"--listen", "0", "--to", "127.0.0.1:1", "--link", "loss=2"}).code, 2);
     EXPECT_EQ(run_netem({"--listen", "0", "--to", "127.0.0.1:1", "--nonsense"}).code, 2);
     EXPECT_EQ(run_netem({"log", "/nowhere"}).code, 5);
+    EXPECT_THAT(run_netem({"log", "/proc/self/mem"}).said, HasSubstr("cannot be read to its end"));
     const Ended help = run_netem({"--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.printed, HasSubstr("thimble-netem --listen 9000"));

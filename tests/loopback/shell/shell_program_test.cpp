@@ -75,6 +75,15 @@ TEST_F(ShellProgram, LeavesNoProcess) {
     EXPECT_FALSE(lives(mark));
 }
 
+// A script that waits until its daemon is gone comes to an end.
+TEST_F(ShellProgram, AnOrphanThatEndsIsGone) {
+    const ProgramResult result = netem(
+        "shell",
+        {"(sleep 1000 > /dev/null 2>&1 & echo $! > pid); p=$(cat pid); kill $p; "
+         "for i in $(seq 600); do kill -0 $p 2> /dev/null || exit 4; sleep 0.05; done"});
+    EXPECT_EQ(result.exit_code, 4);
+}
+
 // The numbers of datagrams that arrive of 300.
 std::set<int> arrived(const std::function<ProgramResult(const std::string& port)>& send) {
     std::mutex lock;

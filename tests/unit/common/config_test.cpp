@@ -119,7 +119,7 @@ TEST(Config, RefusesWithFileLineAndKey) {
              {"wait_s", "20", "between 0 and 1; for 20 ms write 0.02 or \"20ms\""},
              {"number", "'1s'", "must be a number, not a string"},
              {"list", "1", "must be a list, [1, 2]"},
-             {"list", "[0, 4, 1, 'x']", "holds 4, 'x', but must hold numbers between 0 and 3"},
+             {"list", "[0, 4.1, 1, 'x']", "holds 4.1, 'x', but must hold numbers between 0 and 3"},
              {"list", "[nan]", "numbers between 0 and 3"},
              {"list", "['0']", "numbers between 0 and 3"},
              {"list", "[true]", "numbers between 0 and 3"},

@@ -55,7 +55,8 @@ LinkSettings random_link() {
 
 struct DropTally final : LinkObserver {
     std::map<DropReason, std::uint64_t> counts;
-    void on_drop(std::uint64_t /*packet*/, SessionTime /*now*/, DropReason reason) override {
+    void on_drop(std::uint64_t /*packet*/, SessionTime /*now*/, std::size_t /*bytes*/,
+                 DropReason reason) override {
         ++counts[reason];
     }
 };

@@ -58,6 +58,9 @@ TEST(LinkSettings, CapacityMustHoldTheDelay) {
     EXPECT_THAT(link_refusal("delay_s = 0.05\ncapacity = 50"), testing::HasSubstr("51 packets"));
     EXPECT_NO_THROW(read("delay_s = 0.05\ncapacity = 51"));
     EXPECT_GE(read("delay_s = '60s'").capacity, 120'000U);
+    const LinkSettings narrow{.delay = milliseconds{100}, .capacity = 50};
+    EXPECT_EQ(read("loss = 0.01", narrow).capacity, 50U) << "no key changes the delay";
+    EXPECT_EQ(read("delay_s = 0.2", narrow).capacity, 402U);
 }
 
 TEST(LinkSettings, ReadsEveryJitter) {
@@ -201,6 +204,15 @@ TEST(Timeline, AnotherDelayHoldsUntilTheTimelineHasItsOwn) {
     EXPECT_EQ(netem.force_timeline[0].settings.delay, milliseconds{7});
     EXPECT_EQ(netem.force_timeline[1].settings.delay, milliseconds{300});
     EXPECT_EQ(netem.force_timeline[2].settings.delay, milliseconds{300});
+}
+
+TEST(Timeline, LinksHoldWhatAnotherDelayNeeds) {
+    NetemSettings netem = read_netem(kTimeline);
+    set_delay(netem.force, netem.force_timeline, seconds{5});
+    EXPECT_EQ(netem.force.capacity, 10'002U);
+    EXPECT_EQ(netem.force_timeline[0].settings.capacity, 10'002U);
+    EXPECT_EQ(netem.force_timeline[1].settings.capacity, LinkSettings{}.capacity);
+    EXPECT_EQ(read_netem("[session]\ndelays_s = ['5s', '6s']\n").force.capacity, 10'002U);
 }
 
 TEST(Timeline, RefusesWhatIsOutOfOrder) {

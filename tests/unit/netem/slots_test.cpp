@@ -82,7 +82,6 @@ TEST(Slots, GapsLieWithinTheirRangeAndVary) {
     EXPECT_NEAR(sum_s / 20'000, 0.0054, 4 * 0.0092 / std::sqrt(12 * 20'000.0));
 }
 
-// The grid is the same for every caller at any time.
 TEST(Slots, HaveTheShapeThatIsAsked) {
     for (const JitterShape shape : {JitterShape::kNormal, JitterShape::kPareto}) {
         Slots slots =
@@ -112,6 +111,7 @@ TEST(Slots, AShapeIsCutAtZero) {
     EXPECT_LT(late, seconds{1001});
 }
 
+// The grid is the same for every caller at any time.
 TEST(Slots, DoNotDependOnTheTraffic) {
     const SlotSettings settings{.least = milliseconds{1}, .most = milliseconds{9}};
     Slots busy = slots_of(settings);

@@ -31,7 +31,7 @@ TEST(Transmitter, CountsTheOverheadOfEachPacket) {
 struct Drops final : LinkObserver {
     std::vector<std::uint64_t> packets;
     DropReason reason{};
-    void on_drop(std::uint64_t packet, SessionTime, DropReason why) override {
+    void on_drop(std::uint64_t packet, SessionTime, std::size_t, DropReason why) override {
         packets.push_back(packet);
         reason = why;
     }

@@ -42,7 +42,8 @@ TEST(ControlServer, TakesThePlaceOfADeadOneAndLeavesNoFile) {
     {
         const ControlServer server(path);
         EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
-        refusal([&] { const ControlServer second(path); }, ExitCode::kNetwork);
+        EXPECT_THAT(refusal([&] { const ControlServer second(path); }, ExitCode::kNetwork),
+                    testing::HasSubstr("choose another path"));
         EXPECT_TRUE(std::filesystem::is_socket(path));
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));

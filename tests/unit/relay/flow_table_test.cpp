@@ -70,6 +70,15 @@ TEST(FlowTable, GivesAPlaceAgainButNeverANumber) {
     EXPECT_EQ(table.size(), 1U);
 }
 
+TEST(FlowTable, WhoIsRefusedWasNoFlow) {
+    FlowTable table(1, 1);
+    table.refuse(table.find(client(1), at(0))->place);
+    EXPECT_EQ(table.opened(), 0U);
+    const auto next = table.find(client(1), at(1));
+    EXPECT_TRUE(next->fresh);
+    EXPECT_EQ(table.number(next->place), 0U);
+}
+
 TEST(FlowTable, NamesWhoWasSilent) {
     FlowTable table(3, 1);
     const std::uint32_t a = table.find(client(1), at(0))->place;

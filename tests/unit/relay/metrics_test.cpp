@@ -1,9 +1,11 @@
 // Metrics for Prometheus: their text, who asks for them and how badly, and the dashboard that shows them.
 #include <arpa/inet.h>
 #include <atomic>
+#include <ctime>
 #include <fstream>
 #include <regex>
 #include <set>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -150,6 +152,23 @@ TEST_F(Metrics, OutliveHostileVisitors) {
     for (int i = 0; i < 50; ++i) close(visit());
     EXPECT_THAT(ask("GET /metrics HTTP/1.1\r\n\r\n"), StartsWith("HTTP/1.1 200 OK"));
     for (const int one : silent) close(one);
+}
+
+// A visitor for whom there is no descriptor waits outside, and costs no processor time.
+TEST_F(Metrics, SleepWhileThereIsNoDescriptor) {
+    const SocketAddress address = server_.address().socket_address();
+    const int visitor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    rlimit usual{};
+    ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &usual), 0);
+    const rlimit none{3, usual.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+    EXPECT_EQ(connect(visitor, &address.any, address.size()), 0);
+    const std::clock_t before = std::clock();
+    wall_sleep(milliseconds{400});
+    const std::clock_t used = std::clock() - before;
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &usual), 0);
+    EXPECT_LT(used, CLOCKS_PER_SEC / 5);
+    close(visitor);
 }
 
 }  // namespace

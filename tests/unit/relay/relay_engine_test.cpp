@@ -117,16 +117,17 @@ TEST_F(Bench, SlotsBeginWithTheirClient) {
     EXPECT_EQ(records_.all.at(0).due_ns, records_.all.at(0).received_ns);
 }
 
-// The log holds the arrival time of a packet that head drop removes.
+// The log holds arrival time and size of the packet that head drop removes, not of the one that came then.
 TEST_F(Bench, LogsWhenADroppedPacketCame) {
     settings_.links.up.rate = {.bits_per_s = 40, .queue_packets = 1, .drop = Drop::kHead};
     const UdpSocket a = start_with_client();
-    for (const char* word : {"0", "1", "2"}) say(a, word);
+    for (const char* word : {"0", "1", "22"}) say(a, word);
     ASSERT_EQ(hear(server_, 2).size(), 2U);
     ASSERT_EQ(records_.all.size(), 3U);
     const PacketRecord& dropped = records_.all[0];
     EXPECT_EQ(dropped.packet, 1U);
     EXPECT_EQ(dropped.fate, LoggedFate::kQueueFull);
+    EXPECT_EQ(dropped.bytes, 1U);
     EXPECT_GT(dropped.received_ns, records_.all[1].received_ns);
     EXPECT_LT(dropped.received_ns, records_.all[2].received_ns);
 }
@@ -218,6 +219,16 @@ TEST_F(Bench, ChangesLinksWhileItRuns) {
     say(a, "second");
     ASSERT_EQ(hear(server_, 1).size(), 1U);
     EXPECT_GE(wall_now() - begin, milliseconds{40});
+}
+
+TEST_F(Bench, ShowsTheLinksThatHoldNow) {
+    settings_.timelines.up = {{Duration{1}, {.delay = milliseconds{40}}}};
+    start();
+    LinkPair links = engine_->state(wall_now()).links;
+    EXPECT_EQ(links.up.delay, milliseconds{40});
+    links.up.loss = LossSettings::independent(0.5);
+    engine_->change(wall_now(), links);
+    EXPECT_EQ(engine_->state(wall_now()).links, links);
 }
 
 // Through inlets of all kinds, and "congestion experienced" for what would be lost.

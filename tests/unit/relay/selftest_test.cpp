@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/refusal.hpp"
+
 namespace thimble {
 namespace {
 
@@ -90,6 +92,25 @@ TEST(Twin, TellsCopiesFromPackets) {
     const TwinOutcome outcome = replay(link, kilohertz(10), 104);
     EXPECT_EQ(outcome.dropped, 0U);
     EXPECT_EQ(outcome.delays_s.size(), 10U);
+}
+
+TEST(SelftestDrain, IsAsLongAsPacketsCanBeOnTheirWay) {
+    SelftestSettings settings;
+    const Duration settling = selftest_drain(settings, 0);
+    settings.links.up.delay = milliseconds{20};
+    settings.timelines.up = {{std::chrono::seconds{3}, {.delay = milliseconds{500}}},
+                             {std::chrono::hours{1}, {.delay = std::chrono::seconds{9}}}};
+    EXPECT_EQ(selftest_drain(settings, 0), settling + milliseconds{500});
+    // One packet in 4 ms: of 8,000 in 8 s the link still holds as many as fit.
+    settings.links.up.rate.bits_per_s = 132 * 8 * 250;
+    EXPECT_EQ(selftest_drain(settings, 28), settling + milliseconds{20 + 4 * 4096});
+    settings.length = std::chrono::milliseconds{1250};
+    settings.timelines = {};
+    EXPECT_EQ(selftest_drain(settings, 28), settling + milliseconds{20 + 3 * 1000});
+    settings.links.up.rate.queue_packets = 10;
+    EXPECT_EQ(selftest_drain(settings, 28), settling + milliseconds{20 + 4 * 11});
+    settings.links.up.rate = {.bits_per_s = 1};
+    EXPECT_THAT(refusal([&] { selftest_drain(settings, 28); }, ExitCode::kUsage), HasSubstr("higher rate"));
 }
 
 SelftestResult good() {

@@ -36,7 +36,7 @@ class ImportCommands : public testing::Test {
 };
 
 TEST_F(ImportCommands, PingToTraceToProfile) {
-    std::string text;
+    std::string text = "\n";  // pcapng begins with the same byte
     for (int i = 1; i <= 200; ++i) {
         if (i % 50 == 0) continue;
         text += "64 bytes from a: icmp_seq=" + std::to_string(i) +

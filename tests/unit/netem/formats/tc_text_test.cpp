@@ -164,7 +164,7 @@ TEST(TcWords, RefusalsSayWhatAndWhy) {
         {"delay 5ms 1ms distribution no_such_table", "use uniform"},
         {"reorder 25%", "needs a delay"},
         {"gap 5", "give reorder"},
-        {"rate 0", "above 0"},
+        {"rate 0.9bit", "from 1bit"},
         {"rate 1mbit -14", "negative overhead"},
         {"limit 0", "from 1 to 1000000"},
         {"slot 10ms 1ms", "second time must be the longer"},
@@ -256,7 +256,7 @@ LinkSettings any_link() {
         link.in_order = false;
     }
     if (*rc::gen::arbitrary<bool>()) {
-        link.rate.bits_per_s = any_share() * *rc::gen::element(1e3, 1e7, 1e10);
+        link.rate.bits_per_s = any_share() * *rc::gen::element(1e5, 1e7, 1e10);
         link.rate.overhead_bytes = *rc::gen::inRange<std::size_t>(0, 1000);
         link.rate.cell_bytes = *rc::gen::inRange<std::size_t>(0, 100);
         if (link.rate.cell_bytes > 0) link.rate.cell_overhead_bytes = *rc::gen::inRange<std::size_t>(0, 10);
@@ -315,6 +315,8 @@ TEST(TcPrint, WhatTcCannotDoIsNamed) {
     }
     link.jitter.shape = JitterShape::kGamma;
     EXPECT_THAT(print_tc(link, "eth0").cannot, Contains(HasSubstr("no gamma")));
+    EXPECT_THAT(print_tc(parsed_words("slot distribution uniform 1ms 2ms"), "eth0").cannot,
+                Contains(HasSubstr("uniform gaps")));
     const LinkSettings overtaking = parsed_words("delay 50ms reorder 25% gap 5");
     EXPECT_THAT(print_tc(overtaking, "eth0").cannot, IsEmpty());
     link = overtaking;

@@ -98,13 +98,14 @@ TEST(PacketTraceFile, RefusesWithFileAndLine) {
         {"time_s,loss\n0,0\n0,1\n", "a.csv:3: times must rise"},
         {"packet,loss\n3,0\n2,1\n", "a.csv:3: packet numbers must rise"},
         {"packet,loss\n1.5,0\n", "a.csv:2: packet: must be a whole number"},
+        {"packet,loss\n9007199254740993,0\n", "a.csv:2: packet: must be a whole number from 0 to"},
         {"time_s,loss\n0\n", "a.csv:2: has 1 fields, the header 2"},
         {"time_s,loss\n0,2\n", "loss: 2 must lie between 0 and 1"},
         {"time_s,delay_s\n-1,0\n", "a.csv:2: time_s: -1 must lie"},
         {"time_s,delay_s\n0,nan\n", "not a finite number"},
         {"time_s,delay_s\n0,61\n", "between 0 and 60"},
         {"time_s,delay_s,loss\n0,,0\n", "empty only where loss is 1"},
-        {"time_s,rate_kbps\n0,0\n", "rate: must be above 0"},
+        {"time_s,rate_kbps\n0,0.0009\n", "rate: must be at least 1 bit/s"},
         {"t_us,loss\n4e15,0\n", "a.csv:2: t_us"}};
     for (const auto& [text, why] : cases)
         EXPECT_THAT(refusal([&, &csv = text] { parse_packet_trace(csv, "a.csv", {}); }), HasSubstr(why))
@@ -122,7 +123,7 @@ TEST(PacketTraceFile, WhatIsWrittenIsReadAgain) {
             at += *rc::gen::inRange<std::int64_t>(1, 10'000'000'000);
             path.packets.push_back({at, Duration{*rc::gen::inRange<std::int64_t>(0, 60'000'000'000)},
                                     *rc::gen::inRange(0, 1000) / 999.0,
-                                    path.has_rate ? *rc::gen::inRange(1, 1 << 30) / 3.0 : 0});
+                                    path.has_rate ? *rc::gen::inRange(3, 1 << 30) / 3.0 : 0});
         }
         const std::string text = print_path(path);
         RC_LOG() << text;

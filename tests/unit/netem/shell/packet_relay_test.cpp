@@ -51,8 +51,9 @@ class Wire {
 struct PacketRelayTest : testing::Test {
     Wire program, host, slirp, wake;
 
-    PacketRelay relay(const LinkPair& links = {}) {
+    PacketRelay relay(const LinkPair& links = {}, const TimelinePair& timelines = {}) {
         return {{.links = links,
+                 .timelines = timelines,
                  .inner = {program.relay_end()},
                  .outer = {{host.relay_end(), -1, false, {10, 0, 0, 2}, Octets(16, 0)},
                            {slirp.relay_end(), -1, true}}},
@@ -150,6 +151,16 @@ TEST_F(PacketRelayTest, MarksInsteadOfLosing) {
     EXPECT_EQ(Octets(frame.begin() + kEthernetBytes, frame.end()), v6);
     EXPECT_FALSE(host.hear());
     EXPECT_EQ(under_test.state(wall_now()).totals[RelayDirection::kUp].packets.marked, 2U);
+}
+
+TEST_F(PacketRelayTest, ShowsTheLinksThatHoldNow) {
+    PacketRelay under_test =
+        relay({}, {.up = {{Duration{1}, {.delay = std::chrono::milliseconds{40}}}}, .down = {}});
+    LinkPair links = under_test.state(wall_now()).links;
+    EXPECT_EQ(links.up.delay, std::chrono::milliseconds{40});
+    links.up.loss = LossSettings::independent(0.5);
+    under_test.change(wall_now(), links);
+    EXPECT_EQ(under_test.state(wall_now()).links, links);
 }
 
 TEST_F(PacketRelayTest, ChangesHoldFromThenOn) {
