@@ -19,7 +19,8 @@ class StaleRecord {
         Duration acted{}, longest{};
     };
 
-    // At each tick of a running trial: whether the policy acts now. An input that has not come yet in this trial is not missed.
+    // At each tick of a running trial: whether the policy acts now. It counts from the
+    // trial's first call with false: slave_sim makes that one at the first command, master and fingers in the first tick.
     void watch(SessionTime now, std::uint32_t trial, bool acts) {
         if (trial != trial_) {
             end(now);

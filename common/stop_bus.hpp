@@ -29,7 +29,8 @@ inline constexpr Duration kStopPassedOn = std::chrono::milliseconds{500};
 inline constexpr Duration kAnswerEvery = std::chrono::milliseconds{10};
 // A release needs a stop that was held this long: a person needs longer to find its reason.
 inline constexpr Duration kHeldAtLeast = std::chrono::milliseconds{200};
-// A press within this time before a release survives it: the person who released cannot have known of it.
+// A program that repeats its own stop within this time before the release stops anew: who released cannot have known of it.
+// A first press is kept by kHeldAtLeast alone.
 inline constexpr Duration kPressedLately = std::chrono::seconds{1};
 // The end of every message about a stop.
 inline constexpr std::string_view kHowToRelease = "release it with: thimble stop --release";

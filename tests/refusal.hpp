@@ -14,7 +14,7 @@ namespace thimble {
 
 // The words of the Error that `call` throws, which has this code.
 template <class Call>
-std::string refusal(Call&& call, ExitCode code = ExitCode::kData) {
+[[nodiscard]] std::string refusal(Call&& call, ExitCode code = ExitCode::kData) {
     try {
         call();
     } catch (const Error& error) {

@@ -35,16 +35,6 @@ namespace {
 constexpr char kGood = 'g', kBad = 'b';
 constexpr Duration kLastWords = std::chrono::milliseconds{300};
 
-bool write_all(int to, std::string_view bytes) {
-    while (!bytes.empty()) {
-        const ssize_t written = write(to, bytes.data(), bytes.size());
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) return false;
-        bytes.remove_prefix(static_cast<std::size_t>(written));
-    }
-    return true;
-}
-
 std::string answer_of(const std::function<std::string()>& work) {
     try {
         return kGood + work();
@@ -65,8 +55,8 @@ std::string answer_of(const std::function<std::string()>& work) {
 
 // The answer begins with its length: another thread's child may hold the pipe open.
 bool is_whole(std::string_view bytes) {
-    return bytes.size() >= sizeof(std::size_t) &&
-           bytes.size() - sizeof(std::size_t) >= take_plain<std::size_t>(bytes);
+    const std::size_t size = bytes.size();  // before take_plain() shortens them
+    return size >= sizeof(std::size_t) && size - sizeof(std::size_t) >= take_plain<std::size_t>(bytes);
 }
 
 // A child of fork would wait for ever for a static that another thread was making.

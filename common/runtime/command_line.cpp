@@ -140,7 +140,9 @@ void settle_options(CLI::App& app) {
     app.formatter(std::make_shared<PlainFormatter>());
     for (CLI::Option* option : app.get_options([](const CLI::Option*) { return true; })) {
         const std::string type = option->get_type_name(), name = option->get_name();
-        if (type.starts_with("UINT")) option->check(judge_count);
+        // Types of whole numbers; no option takes a negative one.
+        for (const char* whole : {"UINT", "INT", "PORT", "ID"})
+            if (type.starts_with(whole)) option->check(judge_count);
         if (type.starts_with("FLOAT")) option->check(judge_number);
         if (holds_seconds(name)) {
             if (type.starts_with("FLOAT")) option->type_name("SECONDS|50ms");

@@ -33,7 +33,7 @@ CLI::Option* add_resume_options(CLI::App& command, IfExists& if_exists, const st
 // Completion in shells. A shell's script asks the program itself, so that both always agree.
 inline constexpr const char* kCompletedShells[] = {"bash", "zsh", "fish"};
 
-// The script for one of kCompletedShells; empty for another shell.
+// The script for one of kCompletedShells.
 std::string completion_script(const std::string& program, const std::string& shell);
 
 // Answers the two hidden calls of every program and returns the exit code. For any other call it returns nothing.

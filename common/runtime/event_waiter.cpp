@@ -5,11 +5,9 @@
 #include <cerrno>
 #include <cstring>
 #include <sys/timerfd.h>
-#include <unistd.h>
 
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "common/text_file.hpp"
 
 namespace thimble {
 
@@ -25,35 +23,30 @@ EventWaiter::EventWaiter(bool precise)
     : epoll_(epoll_create1(EPOLL_CLOEXEC)),
       timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
       precise_(precise) {
-    if (epoll_ < 0 || timer_ < 0 || !add(timer_, kTimerTag)) {
+    if (epoll_.get() < 0 || timer_.get() < 0 || !add(timer_.get(), kTimerTag)) {
         throw Error(ExitCode::kNetwork, "cannot make a timer: {}{}", std::strerror(errno),
                     descriptor_advice(errno));
     }
-}
-
-EventWaiter::~EventWaiter() {
-    close(timer_);
-    close(epoll_);
 }
 
 bool EventWaiter::add(int descriptor, std::uint64_t tag) {
     epoll_event event{};
     event.events = EPOLLIN;
     event.data.u64 = tag;
-    return epoll_ctl(epoll_, EPOLL_CTL_ADD, descriptor, &event) == 0;
+    return epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, descriptor, &event) == 0;
 }
 
-void EventWaiter::remove(int descriptor) { epoll_ctl(epoll_, EPOLL_CTL_DEL, descriptor, nullptr); }
+void EventWaiter::remove(int descriptor) { epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, descriptor, nullptr); }
 
 void EventWaiter::arm(SessionTime when) {
     if (when == armed_) return;
     armed_ = when;
-    set_timer(timer_, when);
+    set_timer(timer_.get(), when);
 }
 
 // A timer that has fired stays readable until it is armed anew: arm() does so for every new moment.
 std::span<const epoll_event> EventWaiter::poll(int timeout_ms, std::span<epoll_event> room) {
-    const int found = epoll_wait(epoll_, room.data(), static_cast<int>(room.size()), timeout_ms);
+    const int found = epoll_wait(epoll_.get(), room.data(), static_cast<int>(room.size()), timeout_ms);
     if (found <= 0) return {};
     const auto end = std::remove_if(room.begin(), room.begin() + found,
                                     [](const epoll_event& event) { return event.data.u64 == kTimerTag; });

@@ -11,6 +11,7 @@
 
 #include "common/histogram.hpp"
 #include "common/runtime/wait_margin.hpp"
+#include "common/text_file.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
@@ -24,9 +25,8 @@ struct WaitCounters {
 
 class EventWaiter : boost::noncopyable {
   public:
-    // Throws Error (run failed) if the kernel refuses a timer.
+    // Throws Error (network), as sockets do, if the kernel refuses a timer: no descriptor is free.
     explicit EventWaiter(bool precise);
-    ~EventWaiter();
 
     // `tag` comes back in event.data.u64; UINT64_MAX is taken. False if the kernel refuses.
     bool add(int descriptor, std::uint64_t tag);
@@ -46,7 +46,7 @@ class EventWaiter : boost::noncopyable {
     std::span<const epoll_event> spin_until(SessionTime due, SessionTime now, std::span<epoll_event> room);
     void arm(SessionTime when);
 
-    int epoll_ = -1, timer_ = -1;
+    FileDescriptor epoll_, timer_;
     bool precise_;
     SessionTime armed_ = kNever;
     WaitMargin margin_;

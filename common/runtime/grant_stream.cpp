@@ -7,7 +7,6 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <sys/time.h>
-#include <unistd.h>
 
 #include "common/error.hpp"
 #include "common/runtime/udp_socket.hpp"
@@ -36,6 +35,13 @@ bool read_all(int descriptor, void* out, std::size_t size) {
 
 bool write_all(int descriptor, const void* bytes, std::size_t size) {
     return ::send(descriptor, bytes, size, MSG_NOSIGNAL) == static_cast<ssize_t>(size);
+}
+
+int open_tcp(int flags) {
+    const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | flags, 0);
+    if (descriptor >= 0) return descriptor;
+    throw Error(ExitCode::kNetwork, "cannot open a TCP socket: {}{}", std::strerror(errno),
+                descriptor_advice(errno));
 }
 
 sockaddr_in conductor_at(const Endpoint& endpoint) {
@@ -82,15 +88,13 @@ std::string grant_key_text(const SecretKey& key) {
 GrantStream::GrantStream(int descriptor, Sender self) : descriptor_(descriptor), self_(self) {
     static_assert(sizeof(Marked) == sizeof came_);
     const int at_once = 1;
-    setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
+    setsockopt(descriptor_.get(), IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
 }
-
-GrantStream::~GrantStream() { close(descriptor_); }
 
 std::unique_ptr<GrantStream> GrantStream::to_conductor(const Endpoint& conductor, const SecretKey& key,
                                                        const std::string& program) {
     const sockaddr_in address = conductor_at(conductor);
-    const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const int descriptor = open_tcp(0);
     std::unique_ptr<GrantStream> stream(new GrantStream(descriptor, Sender::kNode));
     limit_waits(descriptor, SO_SNDTIMEO, kWayThere);
     limit_waits(descriptor, SO_RCVTIMEO, kWayThere);
@@ -123,20 +127,20 @@ GrantMark proof_of(const SecretKey& key, const GrantMark& asked, std::span<const
 
 bool GrantStream::prove(const SecretKey& key, const std::string& program) {
     GrantMark asked{};
-    if (!read_all(descriptor_, asked.data(), asked.size())) return false;
+    if (!read_all(descriptor_.get(), asked.data(), asked.size())) return false;
     Hello hello;
     program.copy(hello.program.data(), hello.program.size() - 1);
     system_random_bytes()(hello.random);
     hello.proof = proof_of(key, asked, plain_bytes(hello).first(sizeof hello - kMarkBytes));
     agree(key, hello);
     program_ = program;
-    return write_all(descriptor_, &hello, sizeof hello);
+    return write_all(descriptor_.get(), &hello, sizeof hello);
 }
 
 bool GrantStream::ask() {
     prove_until_ = wall_now() + kTimeToProve;
     system_random_bytes()(asked_);
-    return write_all(descriptor_, asked_.data(), asked_.size());
+    return write_all(descriptor_.get(), asked_.data(), asked_.size());
 }
 
 GrantStream::Standing GrantStream::admit(const SecretKey& key) {
@@ -151,7 +155,7 @@ GrantStream::Standing GrantStream::admit(const SecretKey& key) {
     if (!same_bytes(right, hello.proof) || hello.version != kLockStepVersion) return Standing::kTurnedAway;
     agree(key, hello);
     program_.assign(hello.program.begin(), std::find(hello.program.begin(), hello.program.end(), '\0'));
-    limit_waits(descriptor_, SO_RCVTIMEO, kLockStepLook);
+    limit_waits(descriptor_.get(), SO_RCVTIMEO, kLockStepLook);
     return Standing::kProved;
 }
 
@@ -167,12 +171,12 @@ void GrantStream::mark(Marked& marked, Sender sender, std::uint64_t number) cons
 bool GrantStream::send(const LockStepMessage& message) {
     Marked marked{message, {}};
     mark(marked, self_, sent_++);
-    return write_all(descriptor_, &marked, sizeof marked);
+    return write_all(descriptor_.get(), &marked, sizeof marked);
 }
 
 ssize_t GrantStream::gather(std::size_t wanted, int flags) {
     while (came_bytes_ < wanted) {
-        const ssize_t size = recv(descriptor_, came_.data() + came_bytes_, wanted - came_bytes_, flags);
+        const ssize_t size = recv(descriptor_.get(), came_.data() + came_bytes_, wanted - came_bytes_, flags);
         if (size < 0 && errno == ECONNRESET) return 0;
         if (size <= 0) return size;
         came_bytes_ += static_cast<std::size_t>(size);
@@ -201,27 +205,24 @@ ssize_t GrantStream::receive(LockStepMessage& message) {
     return sizeof message;
 }
 
-GrantDoor::GrantDoor(const Endpoint& here) : descriptor_(-1) {
+GrantDoor::GrantDoor(const Endpoint& here) : descriptor_(open_tcp(SOCK_NONBLOCK)) {
     prepare_security();
     system_random_bytes()(key_.bytes);
     const sockaddr_in address = conductor_at(here);
-    descriptor_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     const int again = 1;  // the connections of the last run may linger
-    setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &again, sizeof again);
-    if (bind(descriptor_, raw(address), sizeof address) == 0 && listen(descriptor_, SOMAXCONN) == 0) return;
-    const int error = errno;
-    close(descriptor_);
+    setsockopt(descriptor_.get(), SOL_SOCKET, SO_REUSEADDR, &again, sizeof again);
+    if (bind(descriptor_.get(), raw(address), sizeof address) == 0 &&
+        listen(descriptor_.get(), SOMAXCONN) == 0)
+        return;
     throw Error(ExitCode::kNetwork,
                 "cannot listen on TCP {}:{}, where programs on other machines connect: {}; choose another "
                 "base_port, or check host_session, in [network]",
-                here.host, here.port, std::strerror(error));
+                here.host, here.port, std::strerror(errno));
 }
-
-GrantDoor::~GrantDoor() { close(descriptor_); }
 
 // An unproved one gives its place up where too many come: a node with the key has proved it by then.
 void GrantDoor::accept_all() {
-    for (int came = 0; (came = accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC)) >= 0;) {
+    for (int came = 0; (came = accept4(descriptor_.get(), nullptr, nullptr, SOCK_CLOEXEC)) >= 0;) {
         std::unique_ptr<GrantStream> stream(new GrantStream(came, GrantStream::Sender::kConductor));
         if (!stream->ask()) continue;
         if (unproved_.size() == kMostUnproved) unproved_.pop_front();

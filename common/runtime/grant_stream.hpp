@@ -14,6 +14,7 @@
 #include "common/network_settings.hpp"
 #include "common/runtime/lock_step.hpp"
 #include "common/security/secret.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 
@@ -30,7 +31,6 @@ class GrantStream : boost::noncopyable {
     // A node's. Throws Error (network) if no conductor listens there.
     static std::unique_ptr<GrantStream> to_conductor(const Endpoint& conductor, const SecretKey& key,
                                                      const std::string& program);
-    ~GrantStream();
 
     // False: the other end is gone.
     bool send(const LockStepMessage& message);
@@ -58,7 +58,7 @@ class GrantStream : boost::noncopyable {
     void agree(const SecretKey& key, const Hello& hello);
     void mark(Marked& marked, Sender sender, std::uint64_t number) const;
 
-    int descriptor_;
+    FileDescriptor descriptor_;
     Sender self_;
     std::string program_;
     SecretKey key_;  // of this connection
@@ -74,7 +74,6 @@ class GrantDoor : boost::noncopyable {
   public:
     // Throws Error (network) if the port is taken.
     explicit GrantDoor(const Endpoint& here);
-    ~GrantDoor();
 
     const SecretKey& key() const { return key_; }
     // Of a node that has proved the key; null: none has. It never waits. Each program that connects has 1 s to prove the key,
@@ -84,7 +83,7 @@ class GrantDoor : boost::noncopyable {
   private:
     void accept_all();
 
-    int descriptor_;
+    FileDescriptor descriptor_;
     SecretKey key_;
     std::deque<std::unique_ptr<GrantStream>> unproved_{};  // oldest first
 };

@@ -65,6 +65,7 @@ int run_guarded(const std::function<int()>& body) {
 int guarded_main(const std::string& name, const std::function<int()>& body) {
     open_standard_descriptors();
     std::signal(SIGPIPE, SIG_IGN);  // a reader that leaves ends no trial; lost results are noticed at the end
+    std::signal(SIGCHLD, SIG_DFL);  // ignored, as some parents hand it down, it leaves no exit codes
     const int ended = run_guarded([&] {
         log_to_stderr(name);
         return body();

@@ -24,117 +24,56 @@ thread_local ImportCounts seen;
 
 void count(std::uint64_t ImportCounts::*which) { seen.*which += watching ? 1 : 0; }
 
-void* watched_malloc(std::size_t size) {
-    count(&ImportCounts::allocations);
-    return std::malloc(size);
-}
-void* watched_calloc(std::size_t number, std::size_t size) {
-    count(&ImportCounts::allocations);
-    return std::calloc(number, size);
-}
-void* watched_realloc(void* old, std::size_t size) {
-    count(&ImportCounts::allocations);
-    return std::realloc(old, size);
-}
-int watched_posix_memalign(void** where, std::size_t alignment, std::size_t size) {
-    count(&ImportCounts::allocations);
-    return posix_memalign(where, alignment, size);
-}
-void* watched_aligned_alloc(std::size_t alignment, std::size_t size) {
-    count(&ImportCounts::allocations);
-    return std::aligned_alloc(alignment, size);
-}
-void* watched_memalign(std::size_t alignment, std::size_t size) {
-    count(&ImportCounts::allocations);
-    return memalign(alignment, size);
-}
-void* watched_mmap(void* where, std::size_t size, int may, int how, int file, off_t offset) {
-    count(&ImportCounts::allocations);
-    return mmap(where, size, may, how, file, offset);
-}
-void watched_free(void* old) {
-    count(&ImportCounts::allocations);
-    std::free(old);
-}
-int watched_clock_gettime(clockid_t which, timespec* now) {
-    count(&ImportCounts::clocks);
-    return clock_gettime(which, now);
-}
-int watched_gettimeofday(timeval* now, void* zone) {
-    count(&ImportCounts::clocks);
-    return gettimeofday(now, zone);
-}
-std::time_t watched_time(std::time_t* now) {
-    count(&ImportCounts::clocks);
-    return std::time(now);
-}
-std::clock_t watched_clock() {
-    count(&ImportCounts::clocks);
-    return std::clock();
-}
-std::FILE* watched_fopen(const char* name, const char* mode) {
-    count(&ImportCounts::files);
-    return std::fopen(name, mode);
-}
-std::size_t watched_fread(void* to, std::size_t size, std::size_t most, std::FILE* from) {
-    count(&ImportCounts::files);
-    return std::fread(to, size, most, from);
-}
-int watched_open(const char* name, int how, unsigned mode) {
-    count(&ImportCounts::files);
-    return open(name, how, mode);
-}
-int watched_openat(int folder, const char* name, int how, unsigned mode) {
-    count(&ImportCounts::files);
+// The function F of the C library, counted.
+template <auto Which, auto F>
+struct Watched;
+template <auto Which, class R, class... A, bool N, R (*F)(A...) noexcept(N)>
+struct Watched<Which, F> {
+    static R call(A... a) {
+        count(Which);
+        return F(a...);
+    }
+};
+
+// Both stand for functions that take any number of arguments.
+int open_with_mode(const char* name, int how, unsigned mode) { return open(name, how, mode); }
+int openat_with_mode(int folder, const char* name, int how, unsigned mode) {
     return openat(folder, name, how, mode);
-}
-// From the system, as a file of random bytes is.
-ssize_t watched_getrandom(void* to, std::size_t most, unsigned how) {
-    count(&ImportCounts::files);
-    return getrandom(to, most, how);
-}
-ssize_t watched_read(int from, void* to, std::size_t most) {
-    count(&ImportCounts::files);
-    return read(from, to, most);
-}
-ssize_t watched_write(int to, const void* from, std::size_t most) {
-    count(&ImportCounts::files);
-    return write(to, from, most);
 }
 
 struct Replacement {
     std::string_view name;
     void* function;
 };
-template <class Function>
-Replacement by(std::string_view name, Function* function) {
-    return {name, reinterpret_cast<void*>(function)};
+template <auto Which, auto F>
+Replacement by(std::string_view name) {
+    return {name, reinterpret_cast<void*>(Watched<Which, F>::call)};
 }
 
 const std::array<Replacement, 23>& replacements() {
-    static const std::array kAll{by("malloc", watched_malloc),
-                                 by("calloc", watched_calloc),
-                                 by("realloc", watched_realloc),
-                                 by("posix_memalign", watched_posix_memalign),
-                                 by("aligned_alloc", watched_aligned_alloc),
-                                 by("memalign", watched_memalign),
-                                 by("mmap", watched_mmap),
-                                 by("mmap64", watched_mmap),
-                                 by("free", watched_free),
-                                 by("clock_gettime", watched_clock_gettime),
-                                 by("gettimeofday", watched_gettimeofday),
-                                 by("time", watched_time),
-                                 by("clock", watched_clock),
-                                 by("fopen", watched_fopen),
-                                 by("fopen64", watched_fopen),
-                                 by("fread", watched_fread),
-                                 by("open", watched_open),
-                                 by("open64", watched_open),
-                                 by("openat", watched_openat),
-                                 by("openat64", watched_openat),
-                                 by("getrandom", watched_getrandom),
-                                 by("read", watched_read),
-                                 by("write", watched_write)};
+    static const std::array kAll{by<&ImportCounts::allocations, std::malloc>("malloc"),
+                                 by<&ImportCounts::allocations, std::calloc>("calloc"),
+                                 by<&ImportCounts::allocations, std::realloc>("realloc"),
+                                 by<&ImportCounts::allocations, posix_memalign>("posix_memalign"),
+                                 by<&ImportCounts::allocations, std::aligned_alloc>("aligned_alloc"),
+                                 by<&ImportCounts::allocations, memalign>("memalign"),
+                                 by<&ImportCounts::allocations, mmap>("mmap"),
+                                 by<&ImportCounts::allocations, mmap>("mmap64"),
+                                 by<&ImportCounts::allocations, std::free>("free"),
+                                 by<&ImportCounts::clocks, clock_gettime>("clock_gettime"),
+                                 by<&ImportCounts::clocks, gettimeofday>("gettimeofday"),
+                                 by<&ImportCounts::clocks, std::time>("time"),
+                                 by<&ImportCounts::clocks, std::clock>("clock"),
+                                 by<&ImportCounts::files, std::fopen>("fopen"),
+                                 by<&ImportCounts::files, std::fopen>("fopen64"),
+                                 by<&ImportCounts::files, std::fread>("fread"),
+                                 by<&ImportCounts::files, open_with_mode>("open"),
+                                 by<&ImportCounts::files, open_with_mode>("open64"),
+                                 by<&ImportCounts::files, openat_with_mode>("openat"),
+                                 by<&ImportCounts::files, openat_with_mode>("openat64"),
+                                 by<&ImportCounts::files, getrandom>("getrandom"),
+                                 by<&ImportCounts::files, read>("read"),
+                                 by<&ImportCounts::files, write>("write")};
     return kAll;
 }
 

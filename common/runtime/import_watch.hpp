@@ -9,7 +9,7 @@ namespace thimble {
 struct ImportCounts {
     std::uint64_t allocations = 0;
     std::uint64_t clocks = 0;  // readings of any clock
-    std::uint64_t files = 0;   // opened or read
+    std::uint64_t files = 0;   // opened, read or written, and the system's random bytes
 };
 
 // From now on. Returns false if the process has no such addresses to replace, on a system other than Linux with glibc.

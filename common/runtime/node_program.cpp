@@ -189,8 +189,7 @@ void run_beside_foreground(NodeInstance& instance, Process& process, const Runti
     });
     try {
         instance.foreground([&stopped] { return stopped.load(); });
-    } catch (const std::exception& error) {
-        spdlog::error(error.what());
+    } catch (...) {
         foreground_died = std::current_exception();
     }
     thread.join();

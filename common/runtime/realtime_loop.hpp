@@ -51,7 +51,7 @@ void stop_with_parent(pid_t launcher);
 inline constexpr const char* kDieWithParentHelp =
     "end with the launcher; =PID: also if that process has already ended (set by thimble run)";
 
-// Real-time scheduling and a 1 ns timer slack for this process. Returns "" or what to tell the user (said
+// Real-time scheduling and a 1 ns timer slack for this thread. Returns "" or what to tell the user (said
 // once).
 std::string ask_for_realtime(const RuntimeSettings& settings);
 
@@ -73,7 +73,7 @@ class RealtimeLease : boost::noncopyable {
 class RealtimeLoop : boost::noncopyable {
   public:
     // Wakes on mail for `listeners`, which outlive the loop: from now on they receive nothing but in a step of it.
-    // Throws Error (run failed) if the kernel refuses a timer.
+    // Throws Error (network) if the kernel refuses a timer.
     explicit RealtimeLoop(std::span<Listener* const> listeners);
     ~RealtimeLoop();
 

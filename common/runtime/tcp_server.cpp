@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "common/error.hpp"
+#include "common/runtime/udp_socket.hpp"
 
 namespace thimble {
 namespace {
@@ -34,42 +35,31 @@ sockaddr_in address_of(const Endpoint& local) {
 
 }  // namespace
 
-TcpServer::TcpServer(const Endpoint& local) {
+TcpServer::TcpServer(const Endpoint& local)
+    : socket_(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {
+    if (socket_.get() < 0) fail_to_listen(local, std::strerror(errno));
     clients_.reserve(kMostClients);
-    socket_ = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    if (socket_ < 0) fail_to_listen(local, std::strerror(errno));
-    try {
-        listen_at(local);
-    } catch (...) {
-        close(socket_);
-        throw;
-    }
-}
-
-void TcpServer::listen_at(const Endpoint& local) {
     const sockaddr_in address = address_of(local);
     const int on = 1;
-    setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    const auto* generic = static_cast<const sockaddr*>(static_cast<const void*>(&address));
-    if (bind(socket_, generic, sizeof address) != 0 || listen(socket_, 4) != 0)
+    setsockopt(socket_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if (bind(socket_.get(), raw(address), sizeof address) != 0 || listen(socket_.get(), 4) != 0)
         fail_to_listen(local, std::strerror(errno));
 }
 
 TcpServer::~TcpServer() {
     for (const Client& client : clients_) close(client.socket);
-    close(socket_);
 }
 
 std::uint16_t TcpServer::port() const {
     sockaddr_in address{};
     socklen_t size = sizeof address;
-    getsockname(socket_, static_cast<sockaddr*>(static_cast<void*>(&address)), &size);
+    getsockname(socket_.get(), static_cast<sockaddr*>(static_cast<void*>(&address)), &size);
     return ntohs(address.sin_port);
 }
 
 void TcpServer::look_after_clients() {
     for (;;) {
-        const int client = accept4(socket_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+        const int client = accept4(socket_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
         if (client < 0) break;
         if (clients_.size() < kMostClients) {
             clients_.push_back({client});

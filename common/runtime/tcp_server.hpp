@@ -9,6 +9,7 @@
 
 #include "common/channel.hpp"
 #include "common/network_settings.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 
@@ -37,11 +38,10 @@ class TcpServer : boost::noncopyable {
         std::vector<std::uint8_t> left{};  // of the message before
         bool gone = false;
     };
-    void listen_at(const Endpoint& local);
     static void throw_away_input(Client& client);
     static void send_rest(Client& client);
 
-    int socket_ = -1;
+    FileDescriptor socket_;
     std::vector<Client> clients_;
     std::uint64_t skipped_ = 0;
 };

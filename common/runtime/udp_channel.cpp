@@ -22,22 +22,22 @@ sockaddr_in resolve(const Endpoint& endpoint) {
         .generic();
 }
 
+bool is_loopback(std::uint32_t address) { return address >> 24U == 127; }
+
 }  // namespace
 
 bool means_this_machine(const std::string& host) {
-    constexpr std::uint32_t kLoopback = 127;
     try {
         const std::uint32_t address = ntohl(resolve({host, 0}).sin_addr.s_addr);
-        return address >> 24U == kLoopback || address == INADDR_ANY;
+        return is_loopback(address) || address == INADDR_ANY;
     } catch (const Error&) {
         return false;  // opening a channel to it reports the error
     }
 }
 
 bool leaves_this_machine(const std::string& host) {
-    constexpr std::uint32_t kLoopbackNet = 127;
     try {
-        return ntohl(resolve({host, 0}).sin_addr.s_addr) >> 24U != kLoopbackNet;
+        return !is_loopback(ntohl(resolve({host, 0}).sin_addr.s_addr));
     } catch (const Error&) {
         return true;
     }
@@ -48,6 +48,7 @@ UdpChannel::UdpChannel(const std::optional<Endpoint>& local, const Endpoint& rem
     for (const int option : {SO_RCVBUF, SO_SNDBUF}) {
         setsockopt(socket_.descriptor(), SOL_SOCKET, option, &kBufferBytes, sizeof kBufferBytes);
     }
+    know(remote_.sin_addr.s_addr);
     if (local) bind_to(*local);
 }
 
@@ -105,7 +106,7 @@ void UdpChannel::wait_for_announced() {
     for (; found <= 0 && left_ms > 0 && !stop_requested(); left_ms -= kLook_ms)
         found = poll(&mail, 1, static_cast<int>(std::min(left_ms, kLook_ms)));
     if (found > 0) return;
-    const unsigned missing = std::exchange(announced_, 0);  // it is waited for once
+    const int missing = std::exchange(announced_, 0);  // it is waited for once
     throw DatagramLost(
         listens_at_,
         fmt::format("lock-step: the machine lost a datagram of '{}' from {} to {}: {} announced datagram{} "
@@ -167,8 +168,7 @@ bool UdpChannel::of_session() const {
 // Counts it. An empty datagram carries nothing.
 bool UdpChannel::from_peer(std::size_t size) {
     const in_addr_t host = source_.sin_addr.s_addr;
-    const bool known_host = peer_moves_ || host == remote_.sin_addr.s_addr ||
-                            std::find(others_.begin(), others_.end(), host) != others_.end();
+    const bool known_host = peer_moves_ || std::find(known_.begin(), known_.end(), host) != known_.end();
     if (!known_host || !(hears_outside_ || of_session())) {
         ++counters_.foreign_source;
     } else if (size > kMaxDatagramBytes) {
@@ -181,8 +181,13 @@ bool UdpChannel::from_peer(std::size_t size) {
 }
 
 void UdpChannel::listen_also_to(const std::vector<std::string>& hosts) {
-    others_.reserve(others_.size() + hosts.size());
-    for (const std::string& host : hosts) others_.push_back(resolve({host, 0}).sin_addr.s_addr);
+    for (const std::string& host : hosts) know(resolve({host, 0}).sin_addr.s_addr);
+}
+
+// A program at another address of 127.0.0.0/8 also sends from 127.0.0.1: the kernel gives that to an unbound socket.
+void UdpChannel::know(in_addr_t host) {
+    known_.push_back(host);
+    if (is_loopback(ntohl(host))) known_.push_back(htonl(INADDR_LOOPBACK));
 }
 
 void UdpChannel::stamp_arrivals() { stamping_ = socket_.stamp_arrivals(); }

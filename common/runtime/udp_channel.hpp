@@ -44,8 +44,8 @@ class DatagramLost : public Error {
 class UdpChannel final : public Channel, public Listener {
   public:
     // `local`: where to listen; absent for a channel that only sends. `remote`: where to send, and the only
-    // host that is listened to. Throws Error (network) with the address if the port is taken or a name cannot
-    // be resolved.
+    // host that is listened to, of one in 127.0.0.0/8 with 127.0.0.1. Throws Error (network) with the address if
+    // the port is taken or a name cannot be resolved.
     UdpChannel(const std::optional<Endpoint>& local, const Endpoint& remote);
     void send(Bytes datagram) override;
     void answer(Bytes datagram) override;
@@ -84,7 +84,7 @@ class UdpChannel final : public Channel, public Listener {
     void await_announced(Port port, std::uint16_t base_port, Duration limit);
     void announce(std::uint16_t datagrams) {
         announced_ += datagrams;
-        known_empty_ = announced_ == 0;
+        known_empty_ = announced_ <= 0;
     }
     // In lock-step: the next calls of receive() also give what programs outside the session have sent. False: nothing waits.
     bool hear_outside();
@@ -92,6 +92,7 @@ class UdpChannel final : public Channel, public Listener {
   private:
     Bytes take() override;
     void bind_to(const Endpoint& local);
+    void know(in_addr_t host);
     bool of_session() const;
     bool from_peer(std::size_t size);
     void wait_for_announced();
@@ -100,8 +101,8 @@ class UdpChannel final : public Channel, public Listener {
     UdpSocket socket_;
     int out_ = -1;  // the socket that sends
     sockaddr_in remote_{};
-    sockaddr_in source_{};           // of what was taken last
-    std::vector<in_addr_t> others_;  // hosts
+    sockaddr_in source_{};          // of what was taken last
+    std::vector<in_addr_t> known_;  // hosts
     bool peer_moves_ = false;
     UdpCounters counters_;
     bool stamping_ = false;
@@ -109,8 +110,8 @@ class UdpChannel final : public Channel, public Listener {
     std::uint16_t* sent_ = nullptr;  // in lock-step
     Port sent_to_{}, listens_at_{};
     std::uint16_t base_port_ = 0;
-    Duration limit_{};  // zero: not in lock-step
-    unsigned announced_ = 0;
+    Duration limit_{};   // zero: not in lock-step
+    int announced_ = 0;  // below 0: taken before it was announced, by hear_outside()
     bool hears_outside_ = false;
     ArrivalClock arrival_clock_;
     std::optional<SessionTime> arrival_;

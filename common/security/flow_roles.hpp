@@ -39,7 +39,8 @@ inline Role speaker(const KeyedFlow& keyed) {
     return keyed.port == Port::kSlaveNeedle ? Role::kMaster : Role::kSlaveSim;
 }
 
-// The one-way flows, whose keys come from the session; all others have a way back and agree on theirs.
+// The one-way flows, whose keys come from the session. Stops use the rig's key (stop_seal.hpp); all others have a way back
+// and agree on theirs.
 inline constexpr std::array<KeyedFlow, 17> kKeyedFlows{{{Port::kSessionRecord},
                                                         {Port::kMasterForce},
                                                         {Port::kMasterPerceptCutaneous},

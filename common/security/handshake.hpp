@@ -6,7 +6,7 @@
 //   offer   responder -> initiator   its own, and the initiator's again
 //   accept  initiator -> responder   both, and a proof that it has the keys that follow from them
 //
-// Each begins with a code under the lab key, so a flood costs one keyed hash per datagram. Only an answer to a fresh
+// Each has a code under the lab key, so a flood costs one keyed hash per datagram. Only an answer to a fresh
 // offer costs an X25519. docs/security.md lists the consequences.
 #pragma once
 

@@ -30,7 +30,7 @@ struct KeyGrant {
     std::size_t count = 0;
     std::array<FlowKey, kMostFlowKeys> keys;
 };
-// Node to session: the grant has arrived and its keys are in use.
+// Node to session: the grant has arrived and, if `in_use`, its keys are in use.
 struct KeyReceipt {
     std::uint32_t epoch = 0;
     bool in_use = false;

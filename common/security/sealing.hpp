@@ -69,7 +69,7 @@ void write_seal_header(const SealHeader& header, std::span<std::uint8_t, kSealHe
 // None: not one of ours.
 std::optional<SealHeader> read_seal_header(Bytes datagram);
 
-// Counts of datagrams that came in, and of those that could not go out.
+// Counts of datagrams that came in, and of those that went out or could not.
 struct SecurityCounters {
     std::uint64_t sealed = 0, opened = 0;
     std::uint64_t forged = 0;             // the tag is wrong: changed on the way, or made without the key

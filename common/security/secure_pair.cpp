@@ -116,6 +116,10 @@ Bytes SecurePair::open_sealed(const SealHeader& header, Bytes datagram) {
 }
 
 void SecurePair::take_handshake(Bytes datagram) {
+    if (datagram.size() != kHandshakeBytes) {  // an answer to it could be longer than it is
+        ++counters_.handshake_refused;
+        return;
+    }
     const auto message = read_handshake(*lab_, ends_.local, datagram);
     if (!message) return answer_foreign(read_seal_header(datagram)->kind);
     foreign_key_heard_ = false;

@@ -58,6 +58,8 @@ WatchdogSec=2
 ExecStart={command}
 Restart=on-failure
 RestartSec=1
+# The node limits its start itself: a user may have to home the handle first (homing_limit_s).
+TimeoutStartSec=infinity
 TimeoutStopSec=5
 
 # Real-time scheduling without being root.

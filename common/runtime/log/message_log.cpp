@@ -39,7 +39,8 @@ bool wait_for(int descriptor, Duration limit) {
     return ::poll(&events, 1, static_cast<int>(limit / std::chrono::milliseconds{1})) > 0;
 }
 
-McapMap origin_notes(const LogOrigin& origin, const LogSettings& settings) {
+// `granted`: in lock-step, where the log's times count from the session's start.
+McapMap origin_notes(const LogOrigin& origin, const LogSettings& settings, SessionTime granted) {
     const ClockPair clocks = read_clock_pair();
     std::string boot =
         read_text_file("/proc/sys/kernel/random/boot_id");  // equal: one machine, one monotonic clock
@@ -48,7 +49,7 @@ McapMap origin_notes(const LogOrigin& origin, const LogSettings& settings) {
             {"version", kVersion},
             {"process", std::to_string(getpid())},
             {"machine_boot", boot},
-            {"monotonic_ns", std::to_string(to_nanoseconds(clocks.before))},
+            {"monotonic_ns", std::to_string(to_nanoseconds(granted == kNever ? clocks.before : granted))},
             {"realtime_ns", std::to_string(clocks.realtime_ns)},
             {"messages", to_string(settings.messages)},
             {"session_file", origin.config.string()}};
@@ -103,7 +104,7 @@ void MessageLog::start(const std::filesystem::path& file, const LogOrigin& origi
     writing_ = std::make_unique<Writing>(file);
     McapWriter& writer = writing_->writer;
     writing_->schema = writer.add_schema(kWireSchemaName, "flatbuffer", wire_schema());
-    writer.add_metadata("thimble", origin_notes(origin, settings));
+    writer.add_metadata("thimble", origin_notes(origin, settings, granted_));
     const auto now_ns = static_cast<std::uint64_t>(to_nanoseconds(wall_now()));
     const auto attach = [&](const std::filesystem::path& path) {
         const std::string text = read_text_file(path);
@@ -202,11 +203,17 @@ void MessageLog::write_message(std::uint16_t tag, std::int64_t time_ns, Bytes by
                           refusal == Refusal::kOutOfRange;
     LoggedFlow& flow = flows_[tag];
     int& channel = readable ? flow.channel : flow.unreadable;
-    if (channel < 0) {
-        const std::string topic =
-            std::string(thimble::flow(flow.port).topic) + (readable ? "" : "/unreadable");
-        channel = writer.add_channel(readable ? writing_->schema : std::uint16_t{0}, topic,
-                                     readable ? "flatbuffer" : "", {{"direction", flow.direction}});
+    try {
+        if (channel < 0) {
+            const std::string topic =
+                std::string(thimble::flow(flow.port).topic) + (readable ? "" : "/unreadable");
+            channel = writer.add_channel(readable ? writing_->schema : std::uint16_t{0}, topic,
+                                         readable ? "flatbuffer" : "", {{"direction", flow.direction}});
+        }
+        if (writer.chunk_bytes() >= kMostChunkBytes) writer.flush();
+    } catch (const Error&) {
+        ++dropped_;  // this message too
+        throw;
     }
     McapMessage message;
     message.channel = static_cast<std::uint16_t>(channel);
@@ -217,12 +224,6 @@ void MessageLog::write_message(std::uint16_t tag, std::int64_t time_ns, Bytes by
             static_cast<std::uint64_t>(to_nanoseconds(writing_->message.header.send_time));
     }
     message.data = bytes;
-    try {
-        if (writer.chunk_bytes() >= kMostChunkBytes) writer.flush();
-    } catch (const Error&) {
-        ++dropped_;  // this message too
-        throw;
-    }
     writer.add_message(message);
 }
 
@@ -236,6 +237,7 @@ void MessageLog::fail(const std::string& words) {
 
 // Tried also after a failure: the space that was given back may be enough for the index.
 void MessageLog::end() {
+    if (failed_) turn(false);  // counts what the failed turn left in the queue
     try {
         McapWriter& writer = writing_->writer;
         if (!failed_) say_overflow(true);

@@ -92,6 +92,18 @@ TEST(UdpChannel, AForeignSourceIsCountedAndSkipped) {
     EXPECT_EQ(receiver.counters().received, 1U);
 }
 
+// As Debian names a machine to itself: the kernel lets an unbound socket send from 127.0.0.1.
+TEST(UdpChannel, AHostOfTheLoopbackNetIsHeardFromASocketThatIsBoundToNone) {
+    for (const bool also : {false, true}) {
+        UdpChannel receiver(Endpoint{"127.0.1.1", 0}, Endpoint{also ? "192.0.2.1" : "127.0.1.1", 0});
+        if (also) receiver.listen_also_to({"127.0.1.1"});
+        UdpChannel sender(std::nullopt, Endpoint{"127.0.1.1", port_of(receiver)});
+        sender.send(Packet{8});
+        ASSERT_TRUE(wait_for_datagram(receiver));
+        EXPECT_EQ(copy(receiver.receive()), (Packet{8})) << also;
+    }
+}
+
 // Each direction of a control channel is the same socket.
 TEST(UdpChannel, BothWays) {
     UdpChannel a(Endpoint{kHere, 0}, Endpoint{kHere, 0});

@@ -134,18 +134,13 @@ TEST(CodecRoundTrip, AllocatesNothingAfterTheFirstCall) {
     const std::vector<Message> messages = sample_messages();
     encoder.encode(messages.front());
     const std::uint64_t before = test::allocation_count();
-    std::size_t bytes = 0;
     bool all = true;
     for (int i = 0; i < 100; ++i) {
-        for (const Message& message : messages) {
-            const Bytes encoded = encoder.encode(message);
-            bytes += encoded.size();
-            all = decode(encoded).message.has_value() && all;
-        }
+        for (const Message& message : messages)
+            all = decode(encoder.encode(message)).message.has_value() && all;
     }
     EXPECT_EQ(test::allocation_count() - before, 0U);
     EXPECT_TRUE(all);
-    EXPECT_GT(bytes, 0U);
 }
 
 // Other programs read these bytes: layouts of a release never change. The header is the last struct written,

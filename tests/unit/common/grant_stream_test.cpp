@@ -5,6 +5,7 @@
 #include <future>
 #include <memory>
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <thread>
 #include <unistd.h>
@@ -142,6 +143,36 @@ TEST_F(Grants, AMessageThatIsChangedOnItsWayIsRefused) {
     wire.pass(0, 128, true);
     EXPECT_THAT(refusal([&] { node->receive(message); }, ExitCode::kNetwork),
                 HasSubstr("fails the check with the run's key"));
+}
+
+// None can be opened for as long as this lives.
+class NoDescriptors {
+  public:
+    NoDescriptors() {
+        getrlimit(RLIMIT_NOFILE, &before_);
+        const rlimit none{0, before_.rlim_max};
+        setrlimit(RLIMIT_NOFILE, &none);
+    }
+    ~NoDescriptors() { setrlimit(RLIMIT_NOFILE, &before_); }
+    NoDescriptors(const NoDescriptors&) = delete;
+    NoDescriptors& operator=(const NoDescriptors&) = delete;
+
+  private:
+    rlimit before_{};
+};
+
+TEST_F(Grants, OutOfFileDescriptorsIsSaidInWords) {
+    const auto node = [this] {
+        const NoDescriptors none;
+        GrantStream::to_conductor(here_, door_.key(), "thimble-netem");
+    };
+    const auto door = [this] {
+        const NoDescriptors none;
+        GrantDoor{here_};
+    };
+    constexpr const char* kWords = "cannot open a TCP socket: Too many open files; raise 'ulimit -n'";
+    EXPECT_EQ(refusal(node, ExitCode::kNetwork), kWords);
+    EXPECT_EQ(refusal(door, ExitCode::kNetwork), kWords);
 }
 
 TEST(GrantKey, MustBeAKey) {

@@ -163,6 +163,21 @@ TEST_F(Ends, APageDoesNotHideThatANodeIsLateOrGone) {
     EXPECT_EQ(conductor_->silence(), LockStepEnd::Silence::kGone);
 }
 
+// A stop, which the session takes as soon as it is there.
+TEST(LockStep, ADatagramThatIsTakenBeforeItIsAnnouncedIsNotWaitedFor) {
+    Sockets sockets(somewhere()), sender(somewhere());
+    sockets.count_datagrams(kShort);
+    sender.count_datagrams(kShort);
+    Channel* const in = sockets.inlet(Port::kSlaveNeedle);
+    sender.between(Port::kNetemControl, Port::kSessionNetem);
+    sender.outlet(Port::kSlaveNeedle)->send(std::array<std::uint8_t, 2>{4, 5});
+    ASSERT_TRUE(sockets.hear_outside(Port::kSlaveNeedle));
+    EXPECT_EQ(in->receive().size(), 2U);
+    EXPECT_TRUE(in->receive().empty());
+    sockets.announce(sender.take_sent());
+    EXPECT_TRUE(in->receive().empty());
+}
+
 TEST_F(Ends, ADatagramThatDoesNotComeNamesItsFlow) {
     Sockets sockets(somewhere());
     sockets.count_datagrams(kShort);

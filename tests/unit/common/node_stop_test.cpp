@@ -2,11 +2,15 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/error.hpp"
 #include "common/runtime/node_program.hpp"
 #include "tests/unit/common/tiny_node.hpp"
 
@@ -14,6 +18,10 @@ namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
 
 class StoppedNode : public NodeProcessTest {
   protected:
@@ -106,16 +114,39 @@ class StoppedWhileMadeReady final : public NodeInstance {
     LooksForAStop process_{steering_.b};
 };
 
-TEST(NodeProgramDeathTest, AStopThatComesWhileDevicesAreMadeReadyHoldsBeforeTheFirstTick) {
+template <class Instance>
+int run_node() {
     NodeProgram program;
     program.name = "test";
     program.tables = {"network", "runtime"};
-    program.build = [](const ConfigFile&, Sockets&, std::uint64_t) {
-        return std::make_unique<StoppedWhileMadeReady>();
-    };
+    program.build = [](const ConfigFile&, Sockets&, std::uint64_t) { return std::make_unique<Instance>(); };
     std::string name = program.name;
     std::array<char*, 2> argv{name.data(), nullptr};
-    EXPECT_EXIT(run_node_program(program, 1, argv.data()), testing::ExitedWithCode(0), "");
+    return run_node_program(program, 1, argv.data());
+}
+
+TEST(NodeProgramDeathTest, AStopThatComesWhileDevicesAreMadeReadyHoldsBeforeTheFirstTick) {
+    EXPECT_EXIT(run_node<StoppedWhileMadeReady>(), testing::ExitedWithCode(0), "");
+}
+
+// As a subject's window does.
+class LosesItsScreen final : public NodeInstance {
+  public:
+    NodeProcess& process() override { return process_; }
+    bool has_foreground() const override { return true; }
+    void foreground(const std::function<bool()>&) override {
+        std::raise(SIGTERM);
+        throw Error(ExitCode::kRunFailed, "no screen");
+    }
+
+  private:
+    QueuePipe steering_;
+    TinyProcess process_{steering_.b};
+};
+
+TEST(NodeProgramDeathTest, AnErrorOfTheForegroundIsSaidOnce) {
+    EXPECT_EXIT(std::exit(run_node<LosesItsScreen>()), testing::ExitedWithCode(1),
+                AllOf(HasSubstr("error: no screen"), Not(ContainsRegex("no screen.*no screen"))));
 }
 
 }  // namespace

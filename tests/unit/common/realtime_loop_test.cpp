@@ -91,7 +91,6 @@ TEST(RealtimeLoop, NeverEarlyAndOncePerDeadline) {
     }
     EXPECT_EQ(loop.statistics().deadlines, 20U);
     EXPECT_EQ(loop.statistics().lateness.count(), 20U);
-    EXPECT_LE(loop.statistics().missed, 20U);
 }
 
 // Datagrams to `receiver`, which listens on a port of the kernel's choice.

@@ -2,6 +2,7 @@
 #include "common/runtime/standard_streams.hpp"
 
 #include <array>
+#include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
 #include <string>
@@ -12,6 +13,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/process/child.hpp"
 #include "common/runtime/node_program.hpp"
 
 namespace thimble {
@@ -102,6 +104,15 @@ TEST(StandardStreamsDeathTest, AnOpenOneStaysWhatItWas) {
     EXPECT_EXIT(
         std::exit(guarded_main("test", [] { return write(STDERR_FILENO, "as before", 9) == 9 ? 0 : 1; })),
         testing::ExitedWithCode(0), "as before");
+}
+
+TEST(GuardedMainDeathTest, AParentThatIgnoresSigchldHidesNoFailureOfAChild) {
+    EXPECT_EXIT(
+        {
+            std::signal(SIGCHLD, SIG_IGN);
+            std::exit(guarded_main("test", [] { return run_program("false", {}, ".", "").exit_code; }));
+        },
+        testing::ExitedWithCode(1), "");
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ TEST(UnitFiles, SayWhatANodeNeedsAndNoMore) {
     EXPECT_EQ(slave.machine, "robot");
     for (const char* line :
          {"Type=notify\n", "LimitRTPRIO=71\n", "ProtectSystem=strict\n", "WatchdogSec=2\n",
-          "NoNewPrivileges=yes\n",
+          "TimeoutStartSec=infinity\n", "NoNewPrivileges=yes\n",
           "ExecStart=\"/usr/bin/thimble-slave-sim\" \"/etc/thimble/lab.toml\" --base-port 27000\n",
           "IPAddressAllow=10.77.0.3 127.0.0.1\n"}) {
         EXPECT_THAT(slave.text, HasSubstr(line));

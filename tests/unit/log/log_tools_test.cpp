@@ -263,6 +263,15 @@ TEST_F(LogTools, ValuesAreThoseThatWereSent) {
     EXPECT_EQ(object["header"]["sender"], "SlaveSim");
 }
 
+// In a column of names, a number would be of another type.
+TEST_F(LogTools, AnEnumValueWithoutANameIsATextToo) {
+    ForceFeedback body;
+    body.phase = static_cast<TissuePhase>(7);
+    add("slave", {.messages = {{1, 10}}, .bodies = {Message{{7, {}, 0, 3, Role::kSlaveSim}, body}}});
+    const auto object = nlohmann::json::parse(to_json(merge_logs(files_)[0], PacketFields{}));
+    EXPECT_EQ(object["force_feedback"]["phase"], "7");
+}
+
 TEST_F(LogTools, EveryKindIsInTheHdf5File) {
     add("all", {.messages = {{1, 10}, {2, 20}}, .bodies = sample_messages()});
     const auto path = folder_ / "all.h5";

@@ -94,6 +94,7 @@ TEST(MessageLog, InLockStepMessagesHaveTheGrantedTimeAndNoThreadWritesThem) {
     std::vector<std::uint64_t> times_ns;
     file.for_each([&](const LoggedTopic&, const McapMessage& m) { times_ns.push_back(m.log_time_ns); });
     EXPECT_THAT(times_ns, testing::ElementsAre(5000, 5000, 7000, 7000));
+    EXPECT_EQ(file.value("thimble", "monotonic_ns"), "0") << "the clock of its messages";
     EXPECT_EQ(log_path_of_trial("nodes/session_50ms.mcap", 2), "nodes/session_50ms_trial02.mcap");
 }
 
@@ -217,6 +218,15 @@ TEST(MessageLog, AFullDiskIsToldAndKeepsWhatWasWritten) {
     const LoggedFile file(master.file());
     EXPECT_GE(file.scan().messages, 6U);
     EXPECT_THAT(file.scan().flaws, IsEmpty());
+}
+
+TEST(MessageLog, ADiskThatIsFullFromTheFirstMessageOnLosesNoneUncounted) {
+    TappedMaster master;
+    master.log.take_time({});
+    master.start();
+    const FullDisk disk(std::filesystem::file_size(master.file()));
+    master.pass(3);
+    EXPECT_EQ(master.log.close().lost, 6U);
 }
 
 // The queue between a loop and the thread that writes.

@@ -25,6 +25,18 @@ TEST(HandshakeTrouble, AWrongLabKeyIsTwoSidesTroubleAndSilenceIsAnother) {
     EXPECT_EQ(rig.session->trouble(), PairTrouble::kNone);
 }
 
+// An answer would be longer: an attacker could flood a third machine with it.
+TEST(HandshakeTrouble, AHelloOfAnotherLengthGetsNoAnswer) {
+    PairRig rig;
+    rig.wire.b.cut = true;
+    Datagram hello{'T', '1', static_cast<std::uint8_t>(PacketKind::kHello)};
+    hello.resize(32);
+    rig.wire.a.deliver(hello);
+    rig.turn();
+    EXPECT_EQ(rig.session->counters().handshake_refused, 1U);
+    EXPECT_TRUE(rig.wire.a.said.empty());
+}
+
 // One key, two rigs, and a middle man who passes on all that they say.
 TEST(HandshakeTrouble, ProgramsOfTwoRigsNeverAgree) {
     const auto of_rig = [](const char* rig) {
