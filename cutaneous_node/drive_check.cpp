@@ -1,5 +1,8 @@
 // thimble-drive-check: presses one finger after the other without a session, to see whether a device works.
 #include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -24,7 +27,7 @@ struct CheckOptions {
     double force_N = 0.5, press_s = 1;
 };
 
-// The measures at the end of the time. Throws Error (run failed) if a drive fails.
+// The measures at the end of the time. Throws Error (run failed) if a drive fails or a stop is requested.
 double press(DriveActuator& actuator, const FingerDevice& finger, const CheckOptions& options) {
     actuator.use_hand(wall_now(), finger.hand);
     const SessionTime end = wall_now() + from_seconds(options.press_s);
@@ -34,6 +37,7 @@ double press(DriveActuator& actuator, const FingerDevice& finger, const CheckOpt
         if (!actuator.fault().empty()) throw Error(ExitCode::kRunFailed, std::string(actuator.fault()));
         wall_sleep(std::chrono::milliseconds{1});
     }
+    if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted while a finger was pressed");
     return actuator.output(wall_now()).force_N;
 }
 
@@ -51,16 +55,35 @@ void press_each(DriveActuator& actuator, const DriveSettings& settings, const Ch
     }
 }
 
+struct CheckSettings {
+    CutaneousSettings cutaneous;
+    NetworkSettings network;
+};
+
+// Other tables of a session file are for other programs to check.
+CheckSettings read_settings(const std::string& path) {
+    const ConfigFile file = ConfigFile::load(path);
+    std::vector<std::string_view> elsewhere = session_tables();
+    std::erase(elsewhere, "cutaneous");
+    std::erase(elsewhere, "security");
+    CheckSettings settings;
+    SecuritySettings& security = settings.network.security;
+    file.read_all(
+        [&] {
+            settings.cutaneous = read_cutaneous_settings(file.table("cutaneous"));
+            security.allow_unprotected_network = read_security_settings(file).allow_unprotected_network;
+        },
+        elsewhere);
+    security.mode = SecurityMode::kNone;  // of this program, which talks to no other
+    return settings;
+}
+
 int check(const CheckOptions& options) {
-    const ConfigFile file = ConfigFile::load(options.config);
-    const CutaneousSettings settings = read_cutaneous_settings(file.table("cutaneous"));
+    const auto [settings, network] = read_settings(options.config);
     if (settings.drives.bus.empty()) {
         throw Error(ExitCode::kUsage,
                     options.config + " has no [cutaneous.drives] with a bus, so there is nothing to check");
     }
-    NetworkSettings network;
-    network.security.mode = SecurityMode::kNone;  // of this program, which talks to no other
-    network.security.allow_unprotected_network = read_security_settings(file).allow_unprotected_network;
     Sockets sockets{network};
     const auto bus = open_bus(settings.drives, sockets);
     DriveActuator actuator(settings.drives, settings.force_limit_N, *bus);
@@ -80,8 +103,9 @@ int main(int argc, char** argv) {
             "force with the command.",
             "thimble-drive-check");
         app.add_option("session", options.config, "session file with [cutaneous.drives]")->required();
-        app.add_option("--force-N", options.force_N, "force on each finger, N; default: the device's limit")
-            ->check(CLI::Range(0.0, 20.0));
+        app.add_option("--force-N", options.force_N, "force on each finger, N")
+            ->check(CLI::Range(0.0, 20.0))
+            ->default_val(options.force_N);
         app.add_option("--seconds", options.press_s, "how long each finger is pressed, s")
             ->check(CLI::Range(0.1, 60.0));
         app.set_version_flag("--version", std::string(kVersion));

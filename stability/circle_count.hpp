@@ -1,5 +1,5 @@
-// How many roots of  z^D (z^2 - a1 z + a0) + K (n2 z^2 + n1 z + n0)  lie outside a circle. Inside this room's sources only; in
-// double where that is enough, in Precise to be sure.
+// How many roots of  z^D (z^2 - a1 z + a0) + K (n2 z^2 + n1 z + n0)  lie outside a circle; for this room only. In double
+// where that is enough, in Precise to be sure.
 //
 // On |z| = r both quadratics are z q(theta) with q = (c2 r + c0 / r) cos(theta) + c1 + j (c2 r - c0 / r) sin(theta): the sign of
 // q's imaginary part does not change on the upper half, so that its argument is continuous there, and |q|^2 is a quadratic in

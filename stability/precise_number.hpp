@@ -1,4 +1,4 @@
-// Numbers in which the theory is computed, inside this room's sources only.
+// Numbers in which the theory is computed; for this room only.
 //
 // Ten decades of every parameter make sums in which forty digits cancel; with sixty none has to be rearranged for that. One
 // evaluation costs microseconds, which nothing here is asked for often enough to notice.

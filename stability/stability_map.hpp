@@ -1,6 +1,7 @@
 // A map: delay against stiffness, measured class by class, with the theory beside each cell.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -31,15 +32,8 @@ inline GrowthClass growth_class(double growth_per_s) {
 
 // "stable", "marginal", "unstable"
 inline const char* name_of(GrowthClass growth) {
-    switch (growth) {
-        case GrowthClass::kStable:
-            return "stable";
-        case GrowthClass::kMarginal:
-            return "marginal";
-        case GrowthClass::kUnstable:
-            return "unstable";
-    }
-    return "?";
+    constexpr std::array kNames{"stable", "marginal", "unstable"};
+    return kNames[static_cast<std::size_t>(growth)];
 }
 
 struct MapCell {

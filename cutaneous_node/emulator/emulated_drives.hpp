@@ -3,7 +3,6 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "common/process.hpp"
@@ -21,10 +20,10 @@ class EmulatedDrives final : public Process {
     SessionTime next_wakeup() const override;
     bool stopped() const override { return stopped_; }
 
-    // A command of kFaultWords, at once. The error in the command; empty: done.
+    // A command of kFaultWords, at once. The error in the command; empty: done. Before the first tick only what outlasts a reset.
     std::string obey(SessionTime now, std::string_view words);
-    // A command for `after` the moment at which a force beyond pretension was first pressed.
-    void obey_when_pressed(std::string words, Duration after) { later_.push_back({std::move(words), after}); }
+    // A command for `after` the moment at which a force beyond pretension was first pressed. The error in it; empty: noted.
+    std::string obey_when_pressed(std::string words, Duration after);
 
     const DriveEmulator& drive(std::size_t i) const { return drives_[i]; }
     std::size_t drives() const { return drives_.size(); }
@@ -37,7 +36,8 @@ class EmulatedDrives final : public Process {
         std::string words;
         Duration after{};
     };
-    bool obey(SessionTime now, DriveEmulator& drive, std::string_view what,
+    std::string wrong_in(std::string_view line);
+    void obey(SessionTime now, DriveEmulator& drive, std::string_view what,
               const std::vector<std::uint32_t>& numbers);
     DriveEmulator* find(std::string_view node);
     void look_at_force(SessionTime now);

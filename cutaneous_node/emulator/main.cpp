@@ -116,16 +116,19 @@ void emulate(EmulatedDrives& drives, int bus_descriptor) {
     }
 }
 
+void refuse_wrong(const char* option, const std::string& wrong) {
+    if (!wrong.empty()) throw Error(ExitCode::kUsage, "{} {} (--help lists the faults)", option, wrong);
+}
+
 int run_emulator(const EmulatorOptions& options) {
     const OpenBus open = open_bus_for(options);
     const std::vector<std::uint8_t> nodes(options.nodes.begin(), options.nodes.end());
     EmulatedDrives drives(nodes, PlantParameters{}, *open.bus);
     for (const std::string& fault : options.faults) {
-        const std::string wrong = drives.obey(wall_now(), fault);
-        if (!wrong.empty()) throw Error(ExitCode::kUsage, "--fault " + wrong + ": --help lists the faults");
+        refuse_wrong("--fault", drives.obey(wall_now(), fault));
     }
     for (const std::string& fault : options.faults_when_pressed) {
-        drives.obey_when_pressed(fault, from_seconds(options.after_s));
+        refuse_wrong("--fault-when-pressed", drives.obey_when_pressed(fault, from_seconds(options.after_s)));
     }
     install_stop_signals();
     spdlog::info("{} drives on {}", nodes.size(), open.name);
@@ -159,7 +162,8 @@ int main(int argc, char** argv) {
         app.add_option("--nodes", options.nodes, "CANopen node ids of the drives, with commas")
             ->delimiter(',')
             ->check(CLI::Range(1, 126));
-        app.add_option("--fault", options.faults, "fault at the start; may be given several times");
+        app.add_option("--fault", options.faults,
+                       "fault at the start that outlasts a reset; may be given several times");
         app.add_option("--fault-when-pressed", options.faults_when_pressed,
                        "fault after a finger has been pressed for --after-s; may be given several times");
         app.add_option("--after-s", options.after_s, "delay of --fault-when-pressed, s")

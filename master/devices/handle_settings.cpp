@@ -99,6 +99,15 @@ double usual_force_limit_N(HandleKind kind) {
     return kind == HandleKind::kHaply ? kHaplyForce_N : kHandleFullScale_N;
 }
 
+// A hand of the handle's own strength could hold down a late force.
+void refuse_strong_hand(const ConfigTable& table, const HandleSettings& settings) {
+    const bool coupled = settings.kind >= HandleKind::kPointer && settings.kind <= HandleKind::kHid;
+    if (!coupled || settings.coupling.force_limit_N < settings.force_limit_N) return;
+    table.fail("coupling_force_limit_N",
+               "is {:g}, but must be less than force_limit_N, {:g}: lower it, or raise force_limit_N",
+               settings.coupling.force_limit_N, settings.force_limit_N);
+}
+
 }  // namespace
 
 Duration user_limit(const HandleSettings& settings) {
@@ -145,6 +154,7 @@ HandleSettings read_handle_settings(const ConfigTable& table) {
     settings.touch = read_touch(table.table("touch"));
     settings.hid = read_hid_hand_settings(table.table("hid"));
     read_ros2_settings(table.table("ros2"));
+    refuse_strong_hand(table, settings);
     return settings;
 }
 

@@ -21,6 +21,12 @@ MailboxHandle::MailboxHandle(const AxisSettings& axis, double force_limit_N, std
 
 MailboxHandle::~MailboxHandle() { mailbox_->command({}); }
 
+void MailboxHandle::start_trial(SessionTime now, const OperatorTask& task) {
+    const std::string before(fault());
+    RemoteHandle::start_trial(now, task);
+    if (!before.empty()) fail(before);
+}
+
 HandleSample MailboxHandle::read(SessionTime now) {
     HandleSample sample = RemoteHandle::read(now);
     if (may_push()) tell_force(sample.force_hand_N);

@@ -18,6 +18,8 @@ class MailboxHandle : public RemoteHandle {
                   std::string name, DeviceMailbox& mailbox);
     ~MailboxHandle() override;
 
+    // No force comes back without a restart: a device that failed stays failed.
+    void start_trial(SessionTime now, const OperatorTask& task) override;
     // Also updates the lateral virtual constraint, which depends on the position.
     HandleSample read(SessionTime now) override;
     void enable_force(SessionTime now, bool enabled) override;
@@ -35,6 +37,7 @@ class MailboxHandle : public RemoteHandle {
     void listen(SessionTime now) override;
     void tell_force(double force_hand_N) override;
     std::string driver() const override { return name_; }
+    std::string remedy() const override { return "Then start thimble-master again."; }
 
     std::string name_;
     std::uint32_t stop_buttons_;

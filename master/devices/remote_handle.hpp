@@ -67,6 +67,8 @@ class RemoteHandle : public Handle {
     virtual void tell_force(double force_hand_N) = 0;
     // For the fault's text: "the ROS 2 driver at /thimble/handle/measured_cp".
     virtual std::string driver() const = 0;
+    // For the fault's text: how force comes back once the driver runs again.
+    virtual std::string remedy() const { return "The next trial continues from its position then."; }
 
     void take_position(SessionTime now, std::uint64_t writer, double position_m) {
         positions_.take(now, writer, position_m);
@@ -93,7 +95,8 @@ class RemoteHandle : public Handle {
         if (!positions_.lost()) return;
         fail(driver() +
              " has sent no usable position for 300 ms: does it run, and are its positions numbers without "
-             "jumps? The next trial continues from its position then.");
+             "jumps? " +
+             remedy());
     }
     // A second program is refused: its device would get the same forces, whose energy the guard does not measure.
     void refuse_other() {

@@ -95,13 +95,34 @@ TEST(DriveRun, TheEmulatorNamesItsOptionForAnAddressThatItCannotUse) {
     EXPECT_THAT(refused.words, HasSubstr("IPv4 address to --to"));
 }
 
+TEST(DriveRun, TheEmulatorRefusesAWrongFaultBeforeItStarts) {
+    const Outcome refused =
+        run_to_end(built_programs() / "thimble-drive-emulator", {"--fault-when-pressed", "emyc 9 0x4210"});
+    EXPECT_EQ(refused.code, 2) << refused.words;
+    EXPECT_THAT(refused.words, HasSubstr("--fault-when-pressed 'emyc 9 0x4210': unknown command"));
+}
+
 // The drives are here, so that what the program leaves behind shows before any drive misses a heartbeat.
-TEST(DriveCheck, InterruptedItLeavesNoDriveWithVoltage) {
+class DriveCheck : public testing::Test {
+  protected:
+    std::string file(const std::string& keys = "") {
+        return folder.write(
+            "device.toml",
+            "[cutaneous.drives]\nbus = \"cannelloni:127.0.0.1:" + std::to_string(ports.base()) +
+                "\"\nlisten_port = " + std::to_string(ports.base() + 1) +
+                "\nsilent_after_s = 10\ntake_up_limit_s = 60\n" +
+                "acting_thumb = []\nother_index = []\nother_thumb = []\n" + keys);
+    }
+
+    const std::filesystem::path program = built_programs() / "thimble-drive-check";
     Folder folder;
     PortBlock ports;
-    UdpChannel channel(Endpoint{"127.0.0.1", ports.base()},
-                       Endpoint{"127.0.0.1", static_cast<std::uint16_t>(ports.base() + 1)});
-    CannelloniBus bus(channel);
+    UdpChannel channel{Endpoint{"127.0.0.1", ports.base()},
+                       Endpoint{"127.0.0.1", static_cast<std::uint16_t>(ports.base() + 1)}};
+    CannelloniBus bus{channel};
+};
+
+TEST_F(DriveCheck, InterruptedItLeavesNoDriveWithVoltage) {
     PlantParameters endless;
     endless.loose_m = 100;  // no cable gets taut
     EmulatedDrives drives({1, 2, 3}, endless, bus);
@@ -109,12 +130,7 @@ TEST(DriveCheck, InterruptedItLeavesNoDriveWithVoltage) {
         drives.tick(wall_now());
         return holds(drives.drive(0)) && holds(drives.drive(1)) && holds(drives.drive(2));
     };
-    const auto file = folder.write(
-        "device.toml", "[cutaneous.drives]\nbus = \"cannelloni:127.0.0.1:" + std::to_string(ports.base()) +
-                           "\"\nlisten_port = " + std::to_string(ports.base() + 1) +
-                           "\nsilent_after_s = 10\ntake_up_limit_s = 60\nacting_thumb = []\n" +
-                           "other_index = []\nother_thumb = []\n");
-    Child check(built_programs() / "thimble-drive-check", {file}, folder / "words");
+    Child check(program, {file()}, folder / "words");
     const auto enabled = [](const DriveEmulator& drive) {
         return drive.state() == DriveState::kOperationEnabled;
     };
@@ -125,6 +141,26 @@ TEST(DriveCheck, InterruptedItLeavesNoDriveWithVoltage) {
     EXPECT_EQ(check.poll(), 1);
     EXPECT_TRUE(
         each([](const DriveEmulator& drive) { return drive.state() == DriveState::kSwitchOnDisabled; }));
+}
+
+TEST_F(DriveCheck, InterruptedWhileItPressesItFailsAndMeasuresNothing) {
+    EmulatedDrives drives({1, 2, 3}, PlantParameters{}, bus);
+    Child check(program, {file("cycle_s = 0.02\n"), "--seconds", "60"}, folder / "words");
+    ASSERT_TRUE(wait_until([&] {
+        drives.tick(wall_now());
+        return drives.force_N(0) > 0.3;
+    })) << check.last_lines();
+    check.signal(SIGINT);
+    EXPECT_EQ(check.wait(kPatience), 1);
+    const std::string words = read_text(folder / "words");
+    EXPECT_THAT(words, HasSubstr("interrupted while a finger was pressed"));
+    EXPECT_THAT(words, testing::Not(HasSubstr("measured")));
+}
+
+TEST_F(DriveCheck, RefusesAKeyThatNobodyReads) {
+    const Outcome refused = run_to_end(program, {file("pretention_N = 0.1\n")});
+    EXPECT_EQ(refused.code, 2) << refused.words;
+    EXPECT_THAT(refused.words, HasSubstr("pretention_N"));
 }
 
 SessionFile session_of_device(const std::string& device, const std::string& keys) {

@@ -43,7 +43,7 @@ bool falcon_answers(FalconLink& link);
 // the step that failed, why, and what to do.
 void load_falcon_firmware(FalconLink& link, std::span<const std::uint8_t> image);
 
-// The file's bytes. Throws Error: usage, if it is missing or has another SHA-256 than was said; both are named.
+// The file's bytes. Throws Error: usage, if it cannot be read or has another SHA-256 than was said; both are named.
 std::vector<std::uint8_t> read_falcon_firmware(const std::string& path, const std::string& sha256);
 
 struct ClaimedFalcon {

@@ -2,13 +2,16 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sodium.h>
+#include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "master/devices/falcon/falcon_link.hpp"
 #include "master/devices/falcon/falcon_packet.hpp"
 
@@ -90,10 +93,21 @@ std::string try_to_load(FalconLink& link, std::span<const std::uint8_t> image) {
     return falcon_answers(link) ? "" : "the first report of the loaded firmware";
 }
 
-std::string hexadecimal(std::span<const std::uint8_t> bytes) {
-    std::string text;
-    for (const std::uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
-    return text;
+[[noreturn]] void fail_to_read(const std::string& path, const char* why) {
+    throw Error(ExitCode::kUsage, "cannot read the Falcon's firmware '{}' ([handle.falcon] firmware): {}",
+                path, why);
+}
+
+std::string bytes_of_firmware(const std::string& path) {
+    constexpr std::size_t kMostBytes = 1 << 20;
+    std::error_code unknown;
+    if (std::filesystem::is_directory(path, unknown)) fail_to_read(path, "it is a folder; name a file");
+    std::ifstream file(path, std::ios::binary);
+    if (!file) fail_to_read(path, std::strerror(errno));
+    std::string bytes = read_to_end(file, path, kMostBytes);
+    if (bytes.empty()) fail_to_read(path, "it is empty");
+    if (bytes.size() > kMostBytes) fail_to_read(path, "it is larger than 1 MiB; is it a Falcon firmware?");
+    return bytes;
 }
 
 }  // namespace
@@ -130,19 +144,16 @@ void load_falcon_firmware(FalconLink& link, std::span<const std::uint8_t> image)
 }
 
 std::vector<std::uint8_t> read_falcon_firmware(const std::string& path, const std::string& sha256) {
-    std::ifstream file(path, std::ios::binary);
-    std::vector<std::uint8_t> image{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (!file || image.empty()) {
-        throw Error(ExitCode::kUsage, "cannot read the Falcon's firmware '{}' ([handle.falcon] firmware): {}",
-                    path, file ? "it is empty" : std::strerror(errno));
-    }
+    const std::string bytes = bytes_of_firmware(path);
+    std::vector<std::uint8_t> image(bytes.begin(), bytes.end());
     std::array<std::uint8_t, crypto_hash_sha256_BYTES> sum{};
     crypto_hash_sha256(sum.data(), image.data(), image.size());
-    if (hexadecimal(sum) != sha256) {
+    const std::string found = fmt::format("{:02x}", fmt::join(sum, ""));
+    if (found != sha256) {
         throw Error(ExitCode::kUsage,
                     "the Falcon's firmware '{}' is not the expected one: its SHA-256 is {}, but "
                     "[handle.falcon] firmware_sha256 is {}",
-                    path, hexadecimal(sum), sha256);
+                    path, found, sha256);
     }
     return image;
 }

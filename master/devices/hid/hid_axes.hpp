@@ -105,7 +105,7 @@ class HidAxes {
             if (!value) return ReportVerdict::kBad;  // too short
             if (*value < field.minimum || *value > field.maximum) continue;
             const double low = field.minimum, high = field.maximum;
-            values_[axis] = (2 * *value - low - high) / (high - low);
+            values_[axis] = (2.0 * *value - low - high) / (high - low);
             verdict = ReportVerdict::kTaken;
         }
         return verdict;

@@ -269,6 +269,29 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{"duplicate 3", "drive 3 (acting hand, index, cable 2): two devices have this node id"},
         FaultCase{"cut 5", "drive 5 (acting hand, thumb, cable 1): the cable does not become taut"}));
 
+TEST(DriveFaultWords, AWrongOneIsRefusedAlsoForLater) {
+    DriveBench bench;
+    for (const char* wrong : {"emyc 9 0x4210", "emcy 99 0x4210", "emcy 3", "emcy 3 0x12310", "emcy 3 7 7",
+                              "refuse 3 0x16060", "refuse 3 0x6060 256", "silence 3 1", "cut"}) {
+        EXPECT_THAT(bench.drives.obey(bench.now, wrong), HasSubstr("unknown command or drive")) << wrong;
+        EXPECT_THAT(bench.drives.obey_when_pressed(wrong, {}), HasSubstr(wrong));
+    }
+    EXPECT_EQ(bench.drives.obey_when_pressed("emcy 9 0x4210", {}), "");
+}
+
+// The first tick resets the drives.
+TEST(DriveFaultWords, AtTheStartOnlyThoseThatOutlastAReset) {
+    DriveBench bench;
+    for (const char* ends : {"emcy 3 0x2310", "silence 3", "no-heartbeat 3", "no-data 3", "short-data 3"})
+        EXPECT_THAT(bench.drives.obey(bench.now, ends), HasSubstr("use --fault-when-pressed")) << ends;
+    bench.order("bus-off");
+    bench.drives.tick(bench.now);
+    CanFrame frame;
+    ASSERT_TRUE(bench.near_.receive(bench.now, frame));
+    EXPECT_EQ(frame.id, kCanError | 0x40U);
+    EXPECT_FALSE(bench.near_.receive(bench.now, frame)) << "no boot-up on a bus that is off";
+}
+
 TEST(DriveActuator, ADriveThatIsNotThereIsNamed) {
     DriveBench bench;
     DriveActuator actuator(drive_settings("other_thumb = [10, 11, 13]"), 1.5, bench.near_);

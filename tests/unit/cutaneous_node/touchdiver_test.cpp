@@ -201,10 +201,11 @@ TEST_F(TouchDiver, OneThatIsSilentOrSaysGarbageIsTroubleAndGetsNoForce) {
         turn(milliseconds{200});
         EXPECT_THAT(actuator.fault(), IsEmpty()) << "it speaks again";
     }
-    EXPECT_GT(actuator.bad_messages(), 3U);
+    const auto before = actuator.bad_messages();
+    EXPECT_GT(before, 3U);
     stream.said = std::string(20000, 'x');  // never ends
     turn(milliseconds{5});
-    EXPECT_EQ(actuator.bad_messages() > 4, true);
+    EXPECT_GT(actuator.bad_messages(), before);
 }
 
 TEST_F(TouchDiver, AStallOfThisComputerIsNoSilenceOfTheMiddleware) {

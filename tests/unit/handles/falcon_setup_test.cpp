@@ -77,6 +77,9 @@ TEST(FalconFirmware, IsTheFileThatWasMeant) {
     EXPECT_THAT(why_not("x"), HasSubstr("No such file"));
     write_text(name, "");
     EXPECT_THAT(why_not("x"), HasSubstr("it is empty"));
+    for (const std::string& other : {folder.path().string(), std::string("/dev/zero")})
+        EXPECT_THAT(refusal([&] { read_falcon_firmware(other, "x"); }, ExitCode::kUsage),
+                    HasSubstr("cannot read the Falcon's firmware '" + other));
     write_text(name, "abc");
     // FIPS 180-2's own example.
     const std::string sum = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";

@@ -40,6 +40,7 @@ TEST(HandleSettings, ReadsDeviceMechanicsAndCoupling) {
     EXPECT_EQ(handle_from("").kind, HandleKind::kSimulated);
     EXPECT_EQ(handle_from("").encoder_resolution_m, 1e-5);
     EXPECT_ANY_THROW(handle_from("[handle]\ndevice = 'mouse'\n"));
+    EXPECT_ANY_THROW(handle_from("[handle]\ndevice = 'hid'\nforce_limit_N = 6\n")) << "as strong as the hand";
 }
 
 TEST(RealHandleSettings, ADeviceOfAnotherProgramIsAsRealAsOnUsb) {

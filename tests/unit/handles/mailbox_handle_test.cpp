@@ -111,6 +111,10 @@ TEST_F(Exchanged, SilenceCostsTheForceAndThenTheTrial) {
         rest(2);
     }
     EXPECT_THAT(std::string(handle().fault()), HasSubstr("Device D1 has sent no usable position"));
+    EXPECT_THAT(std::string(handle().fault()), HasSubstr("start thimble-master again"));
+    handle().start_trial(now, {});
+    EXPECT_FALSE(tick(2).valid) << "no force comes back without a restart";
+    EXPECT_THAT(std::string(handle().fault()), HasSubstr("Device D1 has sent no usable position"));
 }
 
 TEST_F(Exchanged, ALossEndsEachTrialInItsWords) {

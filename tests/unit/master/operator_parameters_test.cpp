@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/netem/statistics_tools.hpp"
+
 namespace thimble::test {
 namespace {
 
@@ -19,14 +21,8 @@ std::vector<double> logarithms(Field field) {
     return values;
 }
 
-double mean(const std::vector<double>& values) {
-    double sum = 0;
-    for (const double value : values) sum += value;
-    return sum / static_cast<double>(values.size());
-}
-
 double deviation(const std::vector<double>& values) {
-    const double centre = mean(values);
+    const double centre = mean_of(values);
     double sum = 0;
     for (const double value : values) sum += (value - centre) * (value - centre);
     return std::sqrt(sum / static_cast<double>(values.size() - 1));
@@ -34,10 +30,10 @@ double deviation(const std::vector<double>& values) {
 
 TEST(Subject, IsLognormalAboutTheParameters) {
     const auto criterion = logarithms([](const Subject& s) { return s.criterion_N; });
-    EXPECT_NEAR(mean(criterion), std::log(2.0), 0.02);
+    EXPECT_NEAR(mean_of(criterion), std::log(2.0), 0.02);
     EXPECT_NEAR(deviation(criterion), 0.30, 0.015);
     const auto speed = logarithms([](const Subject& s) { return s.speed_insert_needle_m_per_s; });
-    EXPECT_NEAR(mean(speed), std::log(0.015), 0.01);
+    EXPECT_NEAR(mean_of(speed), std::log(0.015), 0.01);
     EXPECT_NEAR(deviation(speed), 0.15, 0.0075);
     const auto visual = logarithms([](const Subject& s) { return s.reaction_modality_factor[3]; });
     EXPECT_NEAR(deviation(visual), 0.05, 0.0025);
@@ -47,7 +43,8 @@ TEST(Subject, DrawsAreIndependentOfEachOther) {
     const auto arm = logarithms([](const Subject& s) { return s.arm_stiffness_N_per_m; });
     const auto grip = logarithms([](const Subject& s) { return s.grip_stiffness_N_per_m; });
     double product = 0;
-    for (std::size_t i = 0; i < arm.size(); ++i) product += (arm[i] - mean(arm)) * (grip[i] - mean(grip));
+    for (std::size_t i = 0; i < arm.size(); ++i)
+        product += (arm[i] - mean_of(arm)) * (grip[i] - mean_of(grip));
     EXPECT_NEAR(product / static_cast<double>(arm.size()) / (deviation(arm) * deviation(grip)), 0, 0.07);
 }
 
