@@ -52,6 +52,7 @@ void open_plan(const std::filesystem::path& table, const std::filesystem::path& 
                     "{}: holds a {} already: continue it with --resume, replace it with --overwrite, or name "
                     "another folder with --out",
                     folder, what);
+    if (begun) CsvFile(table, IfExists::kContinue);  // an Error if another program writes it
     if (begun && if_exists == IfExists::kContinue) {
         if (read_text_file(plan_file) == plan) return;
         throw Error(ExitCode::kUsage,
@@ -59,7 +60,6 @@ void open_plan(const std::filesystem::path& table, const std::filesystem::path& 
                     "--overwrite, or name another folder with --out",
                     folder, what);
     }
-    if (begun) CsvFile(table, IfExists::kContinue);  // an Error if another program writes it
     remove_file(table);  // a program that is killed leaves no table beside the plan of another
     write_text_file(plan_file, plan);
     CsvFile(table, if_exists);  // empty, or an Error

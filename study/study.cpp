@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
-#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +10,7 @@
 #include "analysis/findings.hpp"
 #include "analysis/report/report.hpp"
 #include "analysis/report/report_tables.hpp"
+#include "common/csv/csv_file.hpp"
 #include "common/process/progress.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
@@ -31,7 +32,7 @@ class Study {
 
     StudyResult run() {
         make_folder(options_.out);
-        if (options_.if_exists == IfExists::kReplace) remove_side_tables();
+        if (options_.if_exists == IfExists::kReplace) remove_earlier();
         run_table(all_trials(options_.protocols), "trials");
         if (wants_control() && result_.complete) {
             Protocol control = options_.protocols[0];
@@ -59,15 +60,12 @@ class Study {
     }
 
     // A study that is then interrupted must not go on with those of another.
-    void remove_side_tables() const {
-        for (const char* name : {"control.csv", "control_curves.csv", "no_lag.csv", "no_lag_curves.csv"}) {
-            remove_file(options_.out / name);
-        }
-        for (const std::string_view compensator : kCompensatorNames) {
-            for (const char* end : {".csv", "_curves.csv"})
-                remove_file(options_.out / fmt::format("hf_{}{}", compensator, end));
-        }
-        for (const char* name : {"compensators.json", "claims.json"}) remove_file(options_.out / name);
+    void remove_earlier() const {
+        const auto table = options_.out / "trials.csv";
+        std::error_code absent;
+        if (std::filesystem::exists(table, absent))
+            CsvFile(table, IfExists::kContinue);  // an Error if another program writes it
+        remove_earlier_results(options_.out);
     }
 
     void write_claims() {
@@ -127,14 +125,16 @@ class Study {
         panels_.try_emplace(curve.conditions.experiment, options_.curves).first->second.add(curve);
     }
 
+    // The other tables have the same trials again, so the files of these have the table's name.
     void save_trajectory(const TrialRecord& record, const std::string& table) const {
         const TrialConditions& c = record.conditions;
         const auto folder = options_.out / "trajectories";
         make_folder(folder);
+        const bool own_trials = table == "trials" || table == "control";
         const bool again = options_.if_exists != IfExists::kRefuse;
         TrajectoryWriter writer(folder / fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{:g}ms{}.csv",
                                                      c.experiment, c.subject, c.trial, to_string(c.modality),
-                                                     1000 * c.delay_s, table == "no_lag" ? "_no_lag" : ""),
+                                                     1000 * c.delay_s, own_trials ? "" : "_" + table),
                                 again ? IfExists::kReplace : IfExists::kRefuse);
         writer.append(record.samples);
         writer.end(record.reason, record.lost_peer);
@@ -267,7 +267,8 @@ SystemSettings without_lag(SystemSettings settings) {
 bool run_trials(const SystemSettings& settings, std::span<const TrialConditions> trials, unsigned jobs,
                 const std::atomic<bool>* stop, const std::function<void(const TrialRecord&)>& take) {
     OrderedWorkers<TrialRecord> workers(
-        trials.size(), jobs, [&](std::size_t i) { return run_virtual_trial(settings, trials[i]); }, stop);
+        trials.size(), thread_count(jobs),
+        [&](std::size_t i) { return run_virtual_trial(settings, trials[i]); }, stop);
     for (std::size_t i = 0; i < trials.size(); ++i) {
         const std::optional<TrialRecord> record = workers.take();
         if (!record) return false;

@@ -40,7 +40,7 @@ struct StudyOptions {
     const std::atomic<bool>* stop = nullptr;  // asked between trials
 };
 
-// Runs trials on `jobs` threads and hands each record over in the order of `trials`, whatever order they end
+// Runs trials on `jobs` threads (0: one per core) and hands each record over in the order of `trials`, whatever order they end
 // in. So no result depends on the number of threads. False if `stop` cut it short.
 bool run_trials(const SystemSettings& settings, std::span<const TrialConditions> trials, unsigned jobs,
                 const std::atomic<bool>* stop, const std::function<void(const TrialRecord&)>& take);
@@ -53,9 +53,9 @@ struct StudyResult {
     double simulated_s = 0, wall_s = 0;  // of the trials alone, without report
 };
 
-// Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, the curves of both,
-// no_lag.csv, hf_NAME.csv, subjects.csv, findings.json, claims.json (the paper's design), report.html, summary.json and figures/ below
-// options.out.
+// Writes below options.out: trials.csv (a row is on the disk as soon as its trial is in), control.csv, no_lag.csv, hf_NAME.csv and
+// the curves of each. After the trials it writes subjects.csv, findings.json, compensators.json, claims.json (the paper's design),
+// report.html, summary.json and figures/.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 
 // subjects.csv: what was drawn for each virtual subject, SI units named in the columns. A line per subject of each cohort

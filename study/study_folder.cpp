@@ -1,9 +1,16 @@
 #include "study/study_folder.hpp"
 
+#include <optional>
+#include <string_view>
+
 #include <fmt/format.h>
 
+#include "common/control/control_settings.hpp"
+#include "common/csv/csv_file.hpp"
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "session/records/condition_summary.hpp"
+#include "session/records/trajectory_file.hpp"
 
 namespace thimble {
 namespace {
@@ -59,8 +66,10 @@ std::size_t take_curves(const std::filesystem::path& curves, const std::vector<T
 std::vector<TrialRow> recover(const std::filesystem::path& table, const std::filesystem::path& curves,
                               const std::vector<TrialConditions>& planned, const TakeCurve& take_curve,
                               const CurveGrid& grid) {
+    std::optional<CsvFile> held;  // an Error if another program writes it: its newer rows would be cut
+    if (is_there(table)) held.emplace(table, IfExists::kContinue);
     std::vector<TrialRow> rows;
-    if (is_there(table)) rows = read_unfinished_trial_table(table);
+    if (held) rows = read_unfinished_trial_table(table);
     check_plan(table, rows, planned);
     const std::size_t both = take_curves(curves, rows, take_curve, grid);
     if (both == 0 && !rows.empty())
@@ -90,6 +99,18 @@ StudyTables::StudyTables(const std::filesystem::path& folder, const std::string&
 void StudyTables::append(const TrialRow& row, const TrialCurve& curve) {
     curves_.append(curve);
     table_.append(row);
+}
+
+void remove_earlier_results(const std::filesystem::path& folder) {
+    for (const char* name :
+         {"trials_curves.csv", "control.csv", "control_curves.csv", "no_lag.csv", "no_lag_curves.csv",
+          "subjects.csv", "findings.json", "compensators.json", "claims.json", "summary.json", "report.html"})
+        remove_file(folder / name);
+    for (const std::string_view compensator : kCompensatorNames) {
+        for (const char* end : {".csv", "_curves.csv"})
+            remove_file(folder / fmt::format("hf_{}{}", compensator, end));
+    }
+    remove_trajectories(folder / "trajectories");
 }
 
 }  // namespace thimble

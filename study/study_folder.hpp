@@ -32,4 +32,8 @@ class StudyTables {
     CurveFile curves_;
 };
 
+// All that an earlier study or run has left beside trials.csv and would pass for the new one's: side tables, trajectories, report.
+// The caller makes sure that no program writes trials.csv. Throws Error (usage) if a file cannot be removed.
+void remove_earlier_results(const std::filesystem::path& folder);
+
 }  // namespace thimble

@@ -1,12 +1,17 @@
 """Runs a controller in Python for Thimble: a class with KEYS and methods, handed to serve(). docs/howto/controller.md has an example.
 
 Thimble starts the file and writes records to its standard input, 112 bytes each: a call's number and 13 numbers. create and force are
-answered by one number. All units are SI, in the hand's frame, as in thimble/controller.h."""
+answered by one number. All units are SI, in the hand's frame, as in thimble/controller.h. What a controller prints goes to stderr."""
+import os
 import signal
 import struct
 import sys
 import traceback
 from typing import NamedTuple
+
+# Answers have standard output to themselves: a print() in a controller would shift them.
+ANSWERS = os.fdopen(os.dup(1), 'wb', 0)
+os.dup2(2, 1)
 
 RECORD, ANSWER = struct.Struct('=Q13d'), struct.Struct('=d')
 CREATE, START, NETWORK_CHANGED, SAMPLE, RECEIVE, FORGET, FORCE = range(1, 8)
@@ -61,8 +66,7 @@ class Controller:
 
 
 def answer(number):
-    sys.stdout.buffer.write(ANSWER.pack(number))
-    sys.stdout.buffer.flush()
+    ANSWERS.write(ANSWER.pack(number))
 
 
 def call(controller, kind, numbers):
@@ -88,9 +92,8 @@ def call(controller, kind, numbers):
 def serve(kind):
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for Thimble, which then ends this program
     if sys.argv[1:] == ['--describe']:
-        print(kind.NAME or kind.__name__)
-        for name, (default, least, most, text) in kind.KEYS.items():
-            print(name, default, least, most, text, sep='\t')
+        lines = [kind.NAME or kind.__name__] + ['\t'.join(map(str, (name, *key))) for name, key in kind.KEYS.items()]
+        ANSWERS.write(('\n'.join(lines) + '\n').encode())
         return
     controller = kind()
     try:

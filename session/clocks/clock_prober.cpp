@@ -6,7 +6,6 @@
 namespace thimble {
 
 bool ClockFilter::add(const ClockExchange& exchange) {
-    ++exchanges_;
     remember(exchange);
     if (!intersection(exchange.answered).empty()) return true;
     ++steps_;

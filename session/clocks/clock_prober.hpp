@@ -63,7 +63,6 @@ class ClockFilter {
     // `now` on the near clock, not before the last exchange. None before the first one.
     std::optional<OffsetInterval> at(SessionTime now) const;
 
-    std::uint64_t exchanges() const { return exchanges_; }
     std::uint64_t steps() const { return steps_; }
 
   private:
@@ -72,7 +71,7 @@ class ClockFilter {
 
     std::array<ClockExchange, 64> window_{};
     std::size_t size_ = 0, next_ = 0;
-    std::uint64_t exchanges_ = 0, steps_ = 0;
+    std::uint64_t steps_ = 0;
 };
 
 inline constexpr Duration kClockProbePeriod = std::chrono::milliseconds{200};

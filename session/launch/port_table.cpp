@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "session/launch/unit_files.hpp"
@@ -12,11 +10,6 @@ std::string place(const NetworkSettings& network, const LaunchSettings& launch, 
     return fmt::format("{} ({})", network.host(role), machine.empty() ? "this machine" : machine);
 }
 
-bool on_one_machine(const LaunchSettings& launch) {
-    return std::all_of(launch.machines.begin(), launch.machines.end(),
-                       [&](const std::string& machine) { return machine == launch.machines.front(); });
-}
-
 }  // namespace
 
 std::string firewall_table(const NetworkSettings& network, const LaunchSettings& launch) {
@@ -24,7 +17,7 @@ std::string firewall_table(const NetworkSettings& network, const LaunchSettings&
         "| UDP port | listens | hears | what | at | from |\n| --- | --- | --- | --- | --- | --- |\n";
     for (const Port port : kEveryPort) {
         const Flow& from = flow(port);
-        const bool crosses = from.from_all ? !on_one_machine(launch)
+        const bool crosses = from.from_all ? launch.anywhere_else()
                                            : launch.machine(from.listens) != launch.machine(from.hears);
         if (!crosses) continue;
         text +=

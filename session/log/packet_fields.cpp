@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cstring>
+#include <string>
 
 #include <flatbuffers/reflection.h>
 #include <fmt/format.h>
@@ -62,6 +63,8 @@ FieldValue value_at(const std::uint8_t* at, const PacketField& field, EnumValues
     for (const auto& [value, name] : field.names) {
         if (value == number && enums == EnumValues::kNames) return name;
     }
+    // A text like the names, so that a column has one type.
+    if (!field.names.empty() && enums == EnumValues::kNames) return std::to_string(number);
     if (type == BaseType::Bool) return number != 0;
     if (type == BaseType::ULong) return static_cast<std::uint64_t>(number);
     return number;

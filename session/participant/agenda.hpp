@@ -26,9 +26,10 @@ struct Agenda {
     // The first block with something to do: trials that have no record, and those to be repeated, which come
     // at the end of the block or at their place. Nothing when the participant session is complete.
     //
-    // A trial is repeated if its last record was rejected; if it was interrupted or a peer was lost; and,
-    // unless it is practice or the settings say otherwise, if it timed out. Not if that record is excluded.
-    // Timeouts and lost peers: at most repeats_limit times.
+    // A trial is repeated if its last record was rejected or interrupted, or ended by an emergency stop. At most
+    // repeats_limit times it is repeated after a lost peer, a device fault, a safety stop or a time-out. A time-out
+    // repeats no practice and no attention trial, and nothing if repeat_timeouts is false. Nothing repeats an
+    // excluded record.
     std::optional<Step> next(const ProtocolSettings& settings) const;
 
     // Trials of the order that have a record. With it, how far the participant is.

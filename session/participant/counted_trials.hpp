@@ -60,8 +60,8 @@ inline std::optional<LeftOutTrial> judge(const DatasetRecord& record, const std:
     return left_out(LeftOut::kFailed, outcome_text(record.row.reason, record.row.lost_peer));
 }
 
-// A record counts unless it is practice, excluded, rejected, superseded by a repeat, or failed (interrupted
-// or a peer lost). Throws Error (data) if a file cannot be read.
+// A record counts unless it is practice, an attention trial, excluded, rejected, superseded by a repeat, or
+// failed (did not run to its end). Throws Error (data) if a file cannot be read.
 inline CountedTrials counted_trials(const Dataset& dataset) {
     CountedTrials trials;
     trials.attention = read_attention(dataset.attention());

@@ -153,45 +153,29 @@ std::string add_participant(const Dataset& dataset, std::uint32_t participant, S
 
 namespace {
 
-using PersonLine = std::vector<std::string>;
-
-std::vector<PersonLine> read_person_lines(const Dataset& dataset) {
-    std::vector<PersonLine> lines;
-    if (!is_table(dataset.participants())) return lines;
-    CsvReader reader(dataset.participants(), kPersonColumns, '\t');
-    while (reader.next()) {
-        PersonLine& line = lines.emplace_back();
-        for (std::size_t i = 0; i < kPersonColumns.size(); ++i) line.emplace_back(reader.field(i).text);
-    }
-    return lines;
+PersonTable table_of_people(const Dataset& dataset) {
+    return {dataset.participants(), {kPersonColumns.begin(), kPersonColumns.end()}};
 }
 
-std::string& field_in(std::vector<PersonLine>& lines, const Dataset& dataset, std::uint32_t participant,
-                      std::string_view column) {
+std::string& field_in(PersonTable& table, std::uint32_t participant, std::string_view column) {
     const auto place = static_cast<std::size_t>(
         std::find(kPersonColumns.begin(), kPersonColumns.end(), column) - kPersonColumns.begin());
-    const auto line = std::find_if(lines.begin(), lines.end(), [&](const PersonLine& one) {
-        return parse_participant(one[0]) == participant;
-    });
-    if (line != lines.end()) return line->at(place);
-    throw Error(ExitCode::kUsage, "{} is not in {}", participant_id(participant),
-                dataset.participants().string());
+    if (PersonTable::Line* const line = table.find(participant)) return line->at(place);
+    throw Error(ExitCode::kUsage, "{} is not in {}", participant_id(participant), table.file().string());
 }
 
 }  // namespace
 
 std::string person_field(const Dataset& dataset, std::uint32_t participant, std::string_view column) {
-    std::vector<PersonLine> lines = read_person_lines(dataset);
-    return field_in(lines, dataset, participant, column);
+    PersonTable table = table_of_people(dataset);
+    return field_in(table, participant, column);
 }
 
 void set_person_field(const Dataset& dataset, std::uint32_t participant, std::string_view column,
                       const std::string& value) {
-    std::vector<PersonLine> lines = read_person_lines(dataset);
-    field_in(lines, dataset, participant, column) = value;
-    std::string text = fmt::format("{}\n", fmt::join(kPersonColumns, "\t"));
-    for (const PersonLine& line : lines) text += fmt::format("{}\n", fmt::join(line, "\t"));
-    write_whole(dataset.participants(), text);
+    PersonTable table = table_of_people(dataset);
+    field_in(table, participant, column) = value;
+    table.write();
 }
 
 std::vector<std::uint32_t> read_participants(const Dataset& dataset) {

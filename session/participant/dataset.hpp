@@ -59,6 +59,7 @@ struct PersonDescription {
     std::string handedness = "n/a";         // left, right, ambidextrous
     std::string haptic_experience = "n/a";  // with force-feedback devices: none, some, expert
     bool consent = false;                   // the experimenter says that it was given
+    bool operator==(const PersonDescription&) const = default;
 };
 
 // "31", or "89+" for 89 and more. Throws Error (usage) for anything but 1 to 120, or "n/a".

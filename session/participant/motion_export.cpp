@@ -5,12 +5,14 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/csv/csv.hpp"
 #include "common/csv/csv_file.hpp"
 #include "common/error.hpp"
 #include "common/json_text.hpp"
@@ -159,8 +161,9 @@ class MotionDataset {
 
     void add_trial(const MotionTrial& trial) {
         std::error_code absent;
-        const Trajectory trajectory =
-            fs::exists(trial.trajectory, absent) ? read_trajectory(trial.trajectory) : Trajectory{};
+        const Trajectory trajectory = fs::exists(trial.trajectory, absent)
+                                          ? read_trajectory(trial.trajectory, LastLine::kMayBeTorn)
+                                          : Trajectory{};
         if (trajectory.samples.size() < 2) {  // one alone is no movement
             ++done_.without_trajectory;
             return;
@@ -180,17 +183,12 @@ class MotionDataset {
     }
     void copy(const fs::path& name) const {
         std::error_code absent;
-        if (!fs::exists(from_ / name, absent)) return;
-        make_folder((to_ / name).parent_path());
-        fs::copy_file(from_ / name, to_ / name);
+        if (fs::exists(from_ / name, absent)) write_motion_text(to_ / name, read_whole_file(from_ / name));
     }
     const std::set<std::uint32_t>& subjects() const { return subjects_; }
-    MotionExport finish() {
-        if (done_.trials == 0) {
-            throw Error(ExitCode::kData,
-                        "{}: no trial has a trajectory; run thimble study with --trajectories",
-                        from_.string());
-        }
+    MotionExport finish(std::string_view advice) {
+        if (done_.trials == 0)
+            throw Error(ExitCode::kData, "{}: no trial has a trajectory; {}", from_.string(), advice);
         done_.subjects = subjects_.size();
         return done_;
     }
@@ -270,7 +268,8 @@ MotionExport exported(const fs::path& from, const fs::path& to) {
                     "{}: holds neither the dataset of a participant session nor the trials.csv of a study",
                     from.string());
     }
-    return out.finish();
+    return out.finish(dataset.kind() ? "run a trial of a participant first, or restore sourcedata/"
+                                     : "run thimble study with --trajectories, or restore trajectories/");
 }
 
 }  // namespace

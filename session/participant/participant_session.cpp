@@ -62,8 +62,10 @@ ParticipantSessionResult ParticipantSession::run() {
         if (!step) return result(ExitCode::kOk, "");
         do_trial(*step);
         if (lost_in_a_row_ == kLostInARow) {
+            // A full disk is one, too.
+            const bool fault = agenda_.records.back().row.reason == EndReason::kDeviceFault;
             return result(
-                ExitCode::kNetwork,
+                fault ? ExitCode::kRunFailed : ExitCode::kNetwork,
                 fmt::format("{} trials in a row failed: {}; remove the cause and continue with --resume",
                             kLostInARow, runner_.problem()));
         }

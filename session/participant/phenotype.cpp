@@ -19,54 +19,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Columns = std::vector<std::string>;
-using Line = std::vector<std::string>;  // the participant first
+using Line = PersonTable::Line;
 
-// A table that is small and replaced as a whole: a reader finds the old one or the new one.
-class PersonTable {
-  public:
-    PersonTable(std::filesystem::path file, Columns columns)
-        : file_(std::move(file)), columns_(std::move(columns)) {
-        if (!is_table(file_)) return;
-        const std::vector<std::string_view> names(columns_.begin(), columns_.end());
-        CsvReader reader(file_, names, '\t');
-        while (reader.next()) {
-            read_participant(reader.field(0));
-            Line& line = lines_.emplace_back();
-            for (std::size_t i = 0; i < names.size(); ++i) line.emplace_back(reader.field(i).text);
-        }
-    }
-
-    // Null if the participant has none.
-    Line* find(std::uint32_t participant) {
-        const auto found = std::find_if(lines_.begin(), lines_.end(), [&](const Line& line) {
-            return parse_participant(line[0]) == participant;
-        });
-        return found == lines_.end() ? nullptr : &*found;
-    }
-    // With "n/a" wherever nothing is known.
-    Line& line_of(std::uint32_t participant) {
-        if (Line* const there = find(participant)) return *there;
-        Line line(columns_.size(), std::string(kNotAvailable));
-        line[0] = participant_id(participant);
-        return lines_.emplace_back(std::move(line));
-    }
-    // Explained by `meanings`, in the words of the first one who answers: the answers mean the same in each language.
-    void write(const Json& meanings) const {
-        make_folder(file_.parent_path());
-        auto beside = file_;
-        beside.replace_extension(".json");
-        std::error_code absent;
-        if (!std::filesystem::exists(beside, absent)) write_whole(beside, json_text(meanings, 2) + '\n');
-        std::string text = fmt::format("{}\n", fmt::join(columns_, "\t"));
-        for (const Line& line : lines_) text += fmt::format("{}\n", fmt::join(line, "\t"));
-        write_whole(file_, text);
-    }
-
-  private:
-    std::filesystem::path file_;
-    Columns columns_;
-    std::vector<Line> lines_;
-};
+// Explained by `meanings`, in the words of the first one who answers: the answers mean the same in each language.
+void write_table(const PersonTable& table, const Json& meanings) {
+    make_folder(table.file().parent_path());
+    auto beside = table.file();
+    beside.replace_extension(".json");
+    std::error_code absent;
+    if (!std::filesystem::exists(beside, absent)) write_whole(beside, json_text(meanings, 2) + '\n');
+    table.write();
+}
 
 constexpr std::size_t kTime = 1, kFirstAnswer = 2;
 
@@ -144,7 +107,7 @@ void open_phenotype(const Dataset& dataset, const PageSet& pages, std::uint32_t 
     const auto people = read_participants(dataset);
     for_each_table(dataset, pages, blocks, [&people](PersonTable table, const Json& meanings) {
         for (const std::uint32_t participant : people) table.line_of(participant);
-        table.write(meanings);
+        write_table(table, meanings);
     });
 }
 
@@ -154,14 +117,14 @@ void write_answers(const Dataset& dataset, const Questionnaire& form, const Fill
     line[kTime] = filled.time_utc;
     for (std::size_t i = 0; i < filled.answers.size(); ++i)
         if (filled.answers[i]) line[kFirstAnswer + i] = fmt::format("{}", *filled.answers[i]);
-    table.write(meanings_of(form));
+    write_table(table, meanings_of(form));
 }
 
 void write_consent(const Dataset& dataset, const ConsentPage& page, std::uint32_t participant,
                    const std::string& time_utc) {
     PersonTable table = consent_table(dataset);
     table.line_of(participant) = {participant_id(participant), time_utc, "yes", tsv_text(page.version)};
-    table.write(meanings_of(page));
+    write_table(table, meanings_of(page));
 }
 
 bool is_filled(const Dataset& dataset, const Questionnaire& form, std::uint32_t participant,
@@ -174,7 +137,7 @@ bool is_filled(const Dataset& dataset, const Questionnaire& form, std::uint32_t 
 bool has_consented(const Dataset& dataset, const ConsentPage& page, std::uint32_t participant) {
     PersonTable table = consent_table(dataset);
     const Line* const line = table.find(participant);
-    return line != nullptr && line->back() == tsv_text(page.version);
+    return line != nullptr && (*line)[kTime] != kNotAvailable && line->back() == tsv_text(page.version);
 }
 
 bool knows_person(const Dataset& dataset, std::uint32_t participant) {

@@ -9,6 +9,11 @@
 #include "session/participant/tsv.hpp"
 
 namespace thimble {
+namespace {
+
+constexpr std::size_t kLongestTypedLine = 65536;
+
+}  // namespace
 
 PromptCommand parse_prompt_line(std::string_view line) {
     const std::string words = tsv_text(line);
@@ -33,9 +38,15 @@ std::optional<std::string> DescriptorLines::take_line() {
     return std::nullopt;
 }
 
+// No further than the end of a line: an input that never pauses would hold the session.
 void DescriptorLines::read_what_is_there() {
     pollfd waiting{descriptor_, POLLIN, 0};
-    while (!ended_ && ::poll(&waiting, 1, 0) > 0) {
+    while (!ended_ && buffer_.find('\n') == std::string::npos && ::poll(&waiting, 1, 0) > 0) {
+        if (buffer_.size() >= kLongestTypedLine) {  // nobody types that
+            buffer_.clear();
+            ended_ = true;
+            return;
+        }
         std::array<char, 1024> chunk{};
         const ssize_t n = ::read(descriptor_, chunk.data(), chunk.size());
         if (n < 0 && (errno == EINTR || errno == EAGAIN)) return;

@@ -70,6 +70,7 @@ class TwoLineSources final : public LineSource {
     LineSource *one_, *other_;
 };
 
+// A line of 64 KiB ends the source.
 class DescriptorLines final : public LineSource {
   public:
     explicit DescriptorLines(int descriptor) : descriptor_(descriptor) {}

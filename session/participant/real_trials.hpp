@@ -42,7 +42,7 @@ class RealTrials final : public TrialRunner {
     void prepare() override {
         if (condition_ && !condition_->broken()) return;
         if (condition_ && plan_.starter && condition_->revive()) return;
-        if (condition_) condition_->close();
+        if (condition_) tell_loss(condition_->close());
         const std::string stopped = stop_text();
         condition_.reset();
         plan_.out = next_start(nodes_);
@@ -87,7 +87,8 @@ class RealTrials final : public TrialRunner {
     }
 
     void say(const std::string& line) { progress_.say(line); }
-    // Ends the programs. Not ok with ExitCode::kRealtime, if one missed too many deadlines under strict_rt.
+    // Ends the programs. Not ok: ExitCode::kRealtime, if one missed too many deadlines under strict_rt; kRunFailed, if data are lost,
+    // a plug-in hangs at its end, or a stop holds.
     ConditionResult close() {
         ConditionResult result;
         if (condition_) result = condition_->close();
@@ -96,6 +97,11 @@ class RealTrials final : public TrialRunner {
     }
 
   private:
+    void tell_loss(const ConditionResult& closed) {
+        if (!closed.write_fault.empty() && closed.write_fault != problem_)
+            say("warning: " + closed.write_fault);
+    }
+
     ConditionPlan plan_;
     std::filesystem::path nodes_;
     ConditionEvents events_;

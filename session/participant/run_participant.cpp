@@ -259,7 +259,9 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
     }
     ParticipantSessionResult result = run_to_end(settings, run, dataset, participant, trials, answers);
     const ConditionResult closed = trials.close();
-    if (result.code == ExitCode::kOk && closed.code == ExitCode::kRealtime) {
+    // The session has printed the problem of the last trial.
+    const bool new_fault = closed.code == ExitCode::kRunFailed && closed.problem != trials.problem();
+    if (result.code == ExitCode::kOk && (closed.code == ExitCode::kRealtime || new_fault)) {
         result.code = closed.code;
         result.problem = closed.problem;
     }

@@ -2,11 +2,15 @@
 // is not there.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -90,5 +94,50 @@ inline void write_whole(const std::filesystem::path& path, std::string_view text
         throw Error(ExitCode::kRunFailed, "{}: cannot be put in place: {}", path.string(), failure.message());
     }
 }
+
+// A table of participants that is small and replaced as a whole: a reader finds the old one or the new one.
+class PersonTable {
+  public:
+    using Line = std::vector<std::string>;  // the participant first
+
+    // Empty without the file. Throws Error (data).
+    PersonTable(std::filesystem::path file, std::vector<std::string> columns)
+        : file_(std::move(file)), columns_(std::move(columns)) {
+        if (!is_table(file_)) return;
+        const std::vector<std::string_view> names(columns_.begin(), columns_.end());
+        CsvReader reader(file_, names, '\t');
+        while (reader.next()) {
+            read_participant(reader.field(0));
+            Line& line = lines_.emplace_back();
+            for (std::size_t i = 0; i < names.size(); ++i) line.emplace_back(reader.field(i).text);
+        }
+    }
+
+    const std::filesystem::path& file() const { return file_; }
+    // Null if the participant has none.
+    Line* find(std::uint32_t participant) {
+        const auto found = std::find_if(lines_.begin(), lines_.end(), [&](const Line& line) {
+            return parse_participant(line[0]) == participant;
+        });
+        return found == lines_.end() ? nullptr : &*found;
+    }
+    // With "n/a" wherever nothing is known.
+    Line& line_of(std::uint32_t participant) {
+        if (Line* const there = find(participant)) return *there;
+        Line line(columns_.size(), std::string(kNotAvailable));
+        line[0] = participant_id(participant);
+        return lines_.emplace_back(std::move(line));
+    }
+    void write() const {
+        std::string text = fmt::format("{}\n", fmt::join(columns_, "\t"));
+        for (const Line& line : lines_) text += fmt::format("{}\n", fmt::join(line, "\t"));
+        write_whole(file_, text);
+    }
+
+  private:
+    std::filesystem::path file_;
+    std::vector<std::string> columns_;
+    std::vector<Line> lines_;
+};
 
 }  // namespace thimble

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "common/error.hpp"
 #include "common/process/progress.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
@@ -20,6 +21,11 @@ namespace thimble {
 namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds{20};
+
+// Each further trial would lose its data, too.
+void require_whole_files(const ConditionResult& result) {
+    if (!result.write_fault.empty()) throw Error(ExitCode::kRunFailed, result.write_fault);
+}
 
 class Play {
   public:
@@ -73,9 +79,10 @@ class Play {
                 condition.idle(kLook);
             }
         }
-        condition.close();
+        const ConditionResult closed = condition.close();
         if (const std::string stopped = condition.stop_text(); !stopped.empty() && stopped != stop_said_)
             say(stopped);
+        require_whole_files(closed);
         return {trials_};
     }
 
@@ -122,6 +129,7 @@ class Play {
                         outcome_text(row.reason, row.lost_peer), row.metrics.duration_s,
                         row.metrics.contacts_lost));
         if (!record.fault.empty()) say(record.fault);
+        require_whole_files(condition.result());
         if (!over()) condition.check();
     }
 

@@ -29,7 +29,8 @@ struct PlayResult {
 inline constexpr Duration kPlayTimeout = std::chrono::minutes{30};
 
 // Ends when the window is closed, at a Quit, at a stop, or after `longest`. Throws Error: usage, if the record's folder
-// holds a table already; network, if a port is taken or a node ends by itself, with its words.
+// holds a table already; network, if a port is taken or a node ends by itself, with its words; run failed, if a file cannot be
+// written.
 PlayResult play(const SystemSettings& settings, const PlayOptions& options);
 
 }  // namespace thimble

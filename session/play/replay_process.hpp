@@ -26,7 +26,6 @@ class ReplayClock {
     void seek(SessionTime now, double time_s);
     void set_speed(SessionTime now, double speed);
 
-    bool running() const { return running_; }
     bool at_end(SessionTime now) const { return time_s(now) >= duration_s_; }
     double speed() const { return speed_; }
 
@@ -54,7 +53,8 @@ class ReplayProcess final : public Process, public OrderHandler {
     bool stopped() const override { return quit_; }
     std::optional<Refusal> obey(SessionTime now, const Order& order) override;
 
-    bool shows() const { return shown_; }  // thimble-visual has taken up the trial
+    // thimble-visual has taken up the trial; a jump back over the beep changes nothing.
+    bool shows() const { return shown_ || number_ > 1; }
     void shut_down(SessionTime now);
 
   private:

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/time.hpp"
+#include "session/records/mean_trajectory.hpp"
 
 namespace thimble {
 namespace {
@@ -28,22 +29,9 @@ constexpr std::array<MetricInfo, kMetrics> kInfo{{
     {"contacts_lost", "contacts lost per trial", 1, 2, member<&T::contacts_lost>},
 }};
 
-// Welford (1962).
-struct Running {
-    std::uint32_t n = 0;
-    double mean = 0;
-    double squares = 0;
-    void add(double value) {
-        ++n;
-        const double before = value - mean;
-        mean += before / n;
-        squares += before * (value - mean);
-    }
-};
-
 using ConditionKey = std::pair<Duration, Modality>;
 using SubjectKey = std::pair<std::uint32_t, std::uint32_t>;  // experiment, subject
-using SubjectMeans = std::map<SubjectKey, std::array<Running, kMetrics>>;
+using SubjectMeans = std::map<SubjectKey, std::array<CurveStatistics, kMetrics>>;
 
 void add_row(const TrialRow& row, ConditionSummary& summary, SubjectMeans& subjects) {
     ++summary.trials;
@@ -59,14 +47,14 @@ void add_row(const TrialRow& row, ConditionSummary& summary, SubjectMeans& subje
 }
 
 Statistic over_subjects(const SubjectMeans& subjects, std::size_t metric) {
-    Running over;
+    CurveStatistics over;
     for (const auto& [key, means] : subjects) {
         if (means[metric].n > 0) over.add(means[metric].mean);
     }
     Statistic statistic;
     statistic.n = over.n;
     if (over.n > 0) statistic.mean = over.mean;
-    if (over.n > 1) statistic.sd = std::sqrt(over.squares / (over.n - 1));
+    statistic.sd = over.sd();
     return statistic;
 }
 

@@ -1,6 +1,5 @@
 #include "session/records/mean_trajectory.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -11,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "common/csv/columns.hpp"
-#include "common/time.hpp"
+#include "session/records/condition_summary.hpp"
 
 namespace thimble {
 
@@ -170,11 +169,7 @@ MeanCurve MeanTrajectory::curve() const {
 
 void TrajectoryPanels::add(const TrialCurve& trial) {
     const TrialConditions& conditions = trial.conditions;
-    const auto same = [&](const TrajectoryPanel& panel) {
-        return panel.modality == conditions.modality &&
-               from_seconds(panel.delay_s) == from_seconds(conditions.delay_s);
-    };
-    auto panel = std::find_if(panels_.begin(), panels_.end(), same);
+    auto panel = find_condition(panels_, conditions.modality, conditions.delay_s);
     if (panel == panels_.end()) {
         panels_.push_back({conditions.modality, conditions.delay_s, MeanTrajectory(grid_)});
         panel = panels_.end() - 1;

@@ -1,13 +1,17 @@
 #include "session/records/trajectory_file.hpp"
 
 #include <array>
+#include <cctype>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "common/csv/columns.hpp"
 #include "common/csv/csv_file.hpp"
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "session/records/trial_table.hpp"
 
 namespace thimble {
@@ -90,8 +94,22 @@ std::filesystem::path find_trajectory(const std::filesystem::path& folder, const
     return {};
 }
 
-Trajectory read_trajectory(const std::filesystem::path& path) {
-    CsvReader reader(path, kSampleNames);
+void remove_trajectories(const std::filesystem::path& folder) {
+    std::error_code absent;
+    std::vector<std::filesystem::path> ours;
+    for (const auto& file : std::filesystem::directory_iterator(folder, absent)) {
+        const std::string name = file.path().filename().string();
+        for (const std::string_view begin : {"experiment", "trial"}) {
+            if (name.starts_with(begin) && name.ends_with(".csv") &&
+                std::isdigit(static_cast<unsigned char>(name[begin.size()])) != 0)
+                ours.push_back(file.path());
+        }
+    }
+    for (const auto& file : ours) remove_file(file);
+}
+
+Trajectory read_trajectory(const std::filesystem::path& path, LastLine last) {
+    CsvReader reader(path, kSampleNames, ',', 0, last);
     Trajectory trajectory;
     while (reader.next()) {
         if (!reader.comments().empty()) reader.field(0).fail("comes after the trial's end");

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "common/csv/csv.hpp"
 #include "common/csv/csv_file.hpp"
 #include "session/records/trial_record.hpp"
 
@@ -39,8 +40,10 @@ struct Trajectory {
 std::string trajectory_name(const TrialConditions& conditions);
 // The trajectory that a run or a study has kept in `folder`; empty: there is none.
 std::filesystem::path find_trajectory(const std::filesystem::path& folder, const TrialConditions& conditions);
+// Removes those that a run or a study has kept in `folder`, with their events: of trials that are to be replaced.
+void remove_trajectories(const std::filesystem::path& folder);
 // Throws Error (data) naming line and column of what cannot be read.
-Trajectory read_trajectory(const std::filesystem::path& path);
+Trajectory read_trajectory(const std::filesystem::path& path, LastLine last = LastLine::kWhole);
 
 // Changes during a trial that no sample holds: trajectories/<trial>.events.csv, beside the trajectory and only there if
 // something did. Columns time_s, event, value. A delay is one line, a profile a group of seven lines of one time:

@@ -120,6 +120,7 @@ void ConditionFiles::begin_trial(const TrialConditions& trial, std::uint32_t num
     if (!trajectory.empty()) {
         make_folder(trajectory.parent_path());
         writer_.emplace(trajectory, plan_.if_exists);
+        if (plan_.if_exists == IfExists::kReplace) remove_file(event_path(trajectory));  // an earlier trial's
     }
     if (log_) log_->note("trial", trial_note(trial, number, wall_now()));
 }

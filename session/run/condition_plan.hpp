@@ -62,10 +62,18 @@ struct ConditionEvents {
 
 struct ConditionResult {
     ExitCode code = ExitCode::kOk;
-    std::string problem;                          // why it ended early; empty if it did not
+    std::string problem;      // why it ended early; empty if it did not
+    std::string write_fault;  // why a file lacks data, whatever else ended the run; empty: none does
     std::vector<nlohmann::ordered_json> reports;  // one per node that could still write it
     std::vector<NodeClock> clocks;
     double simulated_s = 0;  // of the session's clock, all trials together
 };
+
+// Why a program could not write its log, by its report, which a program of a user may have written; empty: it could.
+inline std::string log_fault_in(const nlohmann::ordered_json& report) {
+    if (!report.contains("log") || !report["log"].contains("fault")) return {};
+    const auto& fault = report["log"]["fault"];
+    return fault.is_string() ? fault.get<std::string>() : std::string();
+}
 
 }  // namespace thimble

@@ -202,9 +202,7 @@ ConditionResult ConditionRun::close() {
     files_.write_session_report(result.reports.back());
     outcome_.add_write_fault(files_.fault());
     if (files_.log() != nullptr) outcome_.add_write_fault(files_.log()->close().fault);
-    for (const auto& report : result.reports) {
-        if (report.contains("log")) outcome_.add_write_fault(report["log"].value("fault", ""));
-    }
+    for (const auto& report : result.reports) outcome_.add_write_fault(log_fault_in(report));
     return std::move(result);
 }
 

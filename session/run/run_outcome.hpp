@@ -51,7 +51,9 @@ class RunOutcome {
 
     // Reported also if the trial had ended well before: missing data need a message. Empty words change nothing.
     void add_write_fault(std::string_view words) {
-        if (!words.empty() && !failed()) fail(ExitCode::kRunFailed, std::string(words));
+        if (words.empty()) return;
+        if (result_.write_fault.empty()) result_.write_fault = printable(std::string(words));
+        if (!failed()) fail(ExitCode::kRunFailed, std::string(words));
     }
 
     // A stop that holds at the end of the run.

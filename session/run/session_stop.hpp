@@ -56,22 +56,32 @@ class SessionStop {
         session_.emergency_stop(wall_now(), "Ctrl-\\ in the terminal of thimble");
     }
 
+    // It prints a failure once, and tries again at each call.
     void keep() {
-        if (!stopped() && !kept_) return;
-        kept_ = stopped();
+        const bool holds = stopped();
+        if (!holds && !kept_) return fault_.clear();
         try {
-            if (kept_) {
+            if (holds) {
                 file_.keep(who());
             } else {
                 file_.release(file_.kept());
             }
+            kept_ = holds;
             fault_.clear();
         } catch (const Error& error) {
-            if (fault_.empty())
-                write_stderr(fmt::format("warning: this stop is not saved, and ends with this program: {}\n",
-                                         error.what()));
-            fault_ = fmt::format("; it ends with this program, because it cannot be saved: {}", error.what());
+            if (fault_.empty()) tell(holds, error.what());
+            fault_ = fmt::format("; {}: {}",
+                                 holds ? "it ends with this program, because it cannot be saved"
+                                       : "the file of an earlier stop is still there",
+                                 error.what());
         }
+    }
+
+    static void tell(bool holds, const char* why) {
+        write_stderr(fmt::format("warning: {}: {}\n",
+                                 holds ? "this stop is not saved, and ends with this program"
+                                       : "the stop was released, but its file is still there",
+                                 why));
     }
 
     std::string who() const {
@@ -86,7 +96,7 @@ class SessionStop {
     StopFile file_;
     unsigned heard_;     // of emergency_stops()
     bool kept_ = false;  // in the file
-    std::string fault_;  // why it could not be kept; empty: it could
+    std::string fault_;  // why it could not be kept or removed; empty: it could
 };
 
 }  // namespace thimble

@@ -87,7 +87,7 @@ class TrialRecorder {
     bool withdrawn() const { return withdrawn_; }
 
   private:
-    // Samples still come until all nodes have heard of the end.
+    // Samples come before the time-out counts: as soon as the master has started.
     static constexpr Duration kAfterTimeout = std::chrono::seconds{1};
 
     bool beep_is_due(const TrajectorySample& sample) {

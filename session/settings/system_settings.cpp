@@ -59,6 +59,19 @@ void read_modalities(const ConfigTable& table, SessionPlan& plan) {
     if (plan.modalities.empty()) table.fail("modalities", "is empty; name at least one of HF, CF, CCF, VF");
 }
 
+// As names of files have it.
+std::string file_name_of_delay(Duration delay) { return fmt::format("{:g}ms", 1000 * to_seconds(delay)); }
+
+void add_delay(const ConfigTable& table, Duration delay, SessionPlan& plan) {
+    for (const Duration other : plan.delays) {
+        if (other == delay) table.fail("delays_s", "holds {} twice; leave one out", to_seconds(delay));
+        if (file_name_of_delay(other) == file_name_of_delay(delay))
+            table.fail("delays_s", "holds {} and {}, which have the same name in files, {}; leave one out",
+                       to_seconds(other), to_seconds(delay), file_name_of_delay(delay));
+    }
+    plan.delays.push_back(delay);
+}
+
 void read_delays(const ConfigTable& table, SessionPlan& plan) {
     std::vector<double> delays;
     for (const Duration delay : plan.delays) delays.push_back(to_seconds(delay));
@@ -67,11 +80,7 @@ void read_delays(const ConfigTable& table, SessionPlan& plan) {
     if (delays.empty()) table.fail("delays_s", "is empty; name at least one delay, e.g. [0.05]");
     plan.names_delays = table.has("delays_s");
     plan.delays.clear();
-    for (const double delay_s : delays) {
-        if (std::find(plan.delays.begin(), plan.delays.end(), from_seconds(delay_s)) != plan.delays.end())
-            table.fail("delays_s", "holds {} twice; leave one out", delay_s);
-        plan.delays.push_back(from_seconds(delay_s));
-    }
+    for (const double delay_s : delays) add_delay(table, from_seconds(delay_s), plan);
 }
 
 SessionPlan read_plan(const ConfigTable& table) {

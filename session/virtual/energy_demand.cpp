@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
+#include "common/error.hpp"
+#include "common/process/isolated.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/virtual/virtual_session.hpp"
@@ -25,6 +28,21 @@ SystemSettings without_limit(SystemSettings settings) {
     return settings;
 }
 
+double given_out_in_trial_J(const SystemSettings& settings, const TrialConditions& conditions) {
+    VirtualSession session(settings);
+    session.run(conditions);
+    return session.master().guard().most_given_out_J();
+}
+
+// A plug-in may crash or hang: in a copy of this process it ends the copy only.
+double given_out_apart_J(const SystemSettings& settings, const TrialConditions& conditions) {
+    const IsolatedResult apart =
+        run_isolated([&] { return bytes_of(given_out_in_trial_J(settings, conditions)); });
+    if (!apart.bytes) throw Error(ExitCode::kRunFailed, apart.failure);
+    std::string_view bytes = *apart.bytes;
+    return take_plain<double>(bytes);
+}
+
 // Rounded up to a tenth.
 double needed_J(double most_J) { return std::ceil(10 * kMargin * most_J) / 10; }
 
@@ -33,6 +51,7 @@ double needed_J(double most_J) { return std::ceil(10 * kMargin * most_J) / 10; }
 double most_given_out_J(const SystemSettings& settings, Duration delay, std::uint32_t subjects) {
     const SystemSettings free = with_force_delay(without_limit(settings), delay);
     const Protocol protocol = experiment_3(free, subjects, free.plan.seed);
+    const bool plugin = settings.master.control.compensator == Compensator::kPlugin;
     double most_J = 0;
     for (std::uint32_t subject = 1; subject <= subjects; ++subject) {
         TrialConditions conditions;
@@ -40,9 +59,8 @@ double most_given_out_J(const SystemSettings& settings, Duration delay, std::uin
         conditions.subject = subject;
         conditions.delay_s = to_seconds(delay);
         conditions.fixture_position_m = draw_fixture_position_m(protocol, subject, conditions.trial);
-        VirtualSession session(free);
-        session.run(conditions);
-        most_J = std::max(most_J, session.master().guard().most_given_out_J());
+        most_J = std::max(
+            most_J, plugin ? given_out_apart_J(free, conditions) : given_out_in_trial_J(free, conditions));
     }
     return most_J;
 }

@@ -180,7 +180,8 @@ class LockStepSession final : public SteppedSession {
 
 }  // namespace
 
-// slave_sim sends a picture beside each force for visual. One more at the picture's port is a beep.
+// Each force for visual has a picture beside it, and a beep goes to the picture's port alone: then more go there.
+// With [codec] force more go there without a beep, too: a full grant instead of a quiet one changes no result.
 void AnnouncedMail::post(std::span<const std::uint16_t> sent) {
     beep_ = beep_ || sent[static_cast<std::size_t>(Port::kVisualScene)] >
                          sent[static_cast<std::size_t>(Port::kNetemForceVisual)];
@@ -382,7 +383,7 @@ void LockStepNodes::end(ConditionResult& result) {
     stop_keeping();
     nodes_.end(result);
     for (const auto& report : result.reports) {
-        const std::string fault = report.contains("log") ? report["log"].value("fault", "") : "";
+        const std::string fault = log_fault_in(report);
         if (fault.empty() || result.code != ExitCode::kOk) continue;
         result.code = ExitCode::kRunFailed;
         result.problem = fault;

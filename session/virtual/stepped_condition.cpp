@@ -9,6 +9,7 @@
 #include "common/runtime/wall_clock.hpp"
 #include "session/records/trial_table.hpp"
 #include "session/run/condition_files.hpp"
+#include "session/run/session_stop.hpp"
 
 namespace thimble {
 namespace {
@@ -99,7 +100,7 @@ class SteppedCondition {
         if (interrupted()) return session.abort(EndReason::kInterrupted);
         if (emergency_stops() != stop_keys_)
             session.emergency_stop(stepped.now(), "Ctrl-\\ in the terminal of thimble");
-        stop_keys_ = emergency_stops();
+        stop_keys_ = keys_carried_out = emergency_stops();
         stepped.look_outside();
         if (!fault(stepped).empty()) return session.abort(EndReason::kDeviceFault, Role::kSession);
         const SessionTime now = wall_now();
@@ -142,7 +143,7 @@ class SteppedCondition {
     TrajectorySample last_;
     SessionTime next_progress_{};
     bool told_lost_ = false;
-    unsigned stop_keys_ = emergency_stops();  // carried out
+    unsigned stop_keys_ = keys_carried_out;  // a key pressed while the programs start counts for the first trial
 };
 
 }  // namespace

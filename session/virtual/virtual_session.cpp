@@ -17,13 +17,14 @@ Device& given_or(Device* given, Simulated& simulated) {
     return given != nullptr ? *given : static_cast<Device&>(simulated);
 }
 
-// All that a trial of virtual time records. No peer is lost in it, and only the settings change the network. The plug-in's values that
-// are no numbers come last, as words: the log of a copy is lost.
+// All that a trial of virtual time records. Only the settings change the network. The plug-in's values that are no numbers come last,
+// as words: the log of a copy is lost.
 std::string bytes_of_trial(const SystemSettings& settings, const TrialConditions& conditions) {
     VirtualSession session(settings);
     const TrialRecord& record = session.run(conditions);
     std::string bytes = bytes_of(record.beep_time_s) + bytes_of(record.round_trip_s) +
                         bytes_of(record.achieved_delay_s) + bytes_of(record.reason) +
+                        bytes_of(record.lost_peer) + bytes_of(record.fault.size()) + record.fault +
                         bytes_of(record.samples.size());
     for (const TrajectorySample& sample : record.samples) bytes += bytes_of(sample);
     return bytes + plugin_text(session);
@@ -46,6 +47,10 @@ TrialRecord run_plugin_trial(const SystemSettings& settings, const TrialConditio
     record.round_trip_s = take_plain<double>(bytes);
     record.achieved_delay_s = take_plain<double>(bytes);
     record.reason = take_plain<EndReason>(bytes);
+    record.lost_peer = take_plain<Role>(bytes);
+    const auto fault_size = take_plain<std::size_t>(bytes);
+    record.fault = bytes.substr(0, fault_size);
+    bytes.remove_prefix(fault_size);
     record.samples.resize(take_plain<std::size_t>(bytes));
     for (TrajectorySample& sample : record.samples) sample = take_plain<TrajectorySample>(bytes);
     if (!bytes.empty()) spdlog::warn("trial {}: {}", conditions.trial, bytes);

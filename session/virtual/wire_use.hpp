@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <string_view>
 
 #include "session/records/trial_record.hpp"
 #include "session/settings/system_settings.hpp"
@@ -12,15 +11,12 @@ namespace thimble {
 
 class NetemProcess;
 
-// In the order of NetemProcess::relays().
-inline constexpr std::array<std::string_view, 4> kHapticFlows{"needle", "force master", "force cutaneous",
-                                                              "force visual"};
-
 struct FlowUse {
     double packets_per_s = 0;
     double bytes_per_s = 0;  // message, two seals (docs/security.md), headers of UDP and IPv4
 };
-using WireUse = std::array<FlowUse, kHapticFlows.size()>;
+// In the order of NetemProcess::relays(): the needle, then the force to master, cutaneous and visual.
+using WireUse = std::array<FlowUse, 4>;
 
 // The headers of UDP and IPv4.
 inline constexpr std::size_t kHeaderBytes_IPv4_UDP = 28;

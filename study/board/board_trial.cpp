@@ -11,7 +11,7 @@ namespace thimble {
 namespace {
 
 constexpr std::size_t kNeedleFlow = 0,
-                      kForceFlow = 1;  // of kHapticFlows: to the slave, and back to the handle
+                      kForceFlow = 1;  // of WireUse: to the slave, and back to the handle
 
 TrialConditions conditions_of(const SystemSettings& settings, std::uint64_t seed, std::uint32_t subject) {
     const Protocol protocol = experiment_3(settings, subject, seed);

@@ -83,9 +83,10 @@ Verdict check_with(const Read& read, std::string_view text, const char* reader) 
 
 Verdict check_recorded(Bytes bytes) {
     const std::string_view text = text_of(bytes);
-    const Verdict verdicts[]{check_with(read_trial_table, text, "trials"),
-                             check_with(read_trajectory, text, "trajectory"),
-                             check_with(read_events, text, "events")};
+    const Verdict verdicts[]{
+        check_with(read_trial_table, text, "trials"),
+        check_with([](const auto& path) { return read_trajectory(path); }, text, "trajectory"),
+        check_with(read_events, text, "events")};
     Verdict all;
     for (const Verdict& verdict : verdicts) {
         all.accepted = all.accepted || verdict.accepted;

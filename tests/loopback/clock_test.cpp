@@ -115,9 +115,13 @@ TEST_F(RunByClock, VirtualTimeWritesTheFilesOfARun) {
     fs::create_directories(out_ / "nodes");  // as an earlier, longer run in lock-step has left it
     const fs::path log = folder_.write("virtual/nodes/thimble-netem_100ms_trial09.mcap", "old");
     const fs::path other = folder_.write("virtual/nodes/session_notes.mcap", "mine");
+    // As a study has left them: `thimble analyse` and replays would take them for this run's.
+    const fs::path control = folder_.write("virtual/control.csv", "old");
+    const fs::path old =
+        folder_.write("virtual/trajectories/experiment3_subject01_trial02_CF_50ms.csv", "old");
     ASSERT_EQ(run(kEasy, "virtual", {"--overwrite"}).code, 0);
     EXPECT_EQ(read_text(out_ / "trials.csv"), first);
-    EXPECT_FALSE(fs::exists(log));
+    for (const fs::path& left : {log, control, old}) EXPECT_FALSE(fs::exists(left)) << left;
     EXPECT_TRUE(fs::exists(other));
 }
 

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -105,6 +106,23 @@ TEST(EmergencyStop, BeforeTheFirstTrial) {
     EXPECT_THAT(run.words(), HasSubstr("Ctrl-\\"));
     for (const TrialRow& row : run.rows()) EXPECT_EQ(row.reason, EndReason::kEmergencyStop);
     EXPECT_FALSE(std::filesystem::is_empty(std::getenv("THIMBLE_STOP_DIR")));
+}
+
+// The conductor of lock-step waits for its programs, of which one waits for this test.
+TEST(EmergencyStop, InLockStepWhileTheProgramsStart) {
+    const Folder folder;
+    install_programs(folder / "bin");
+    const std::filesystem::path started = folder / "started", go_on = folder / "go_on";
+    replace_program(
+        folder / "bin" / "thimble-visual",
+        fmt::format("touch {}\nuntil [ -e {} ]; do sleep 0.01; done\nexec {} \"$@\"\n", started.string(),
+                    go_on.string(), (built_programs() / "thimble-visual").string()));
+    RealRun run(SessionFile::endless(kEndlessInLockStep_s), kLockStep, folder / "bin");
+    ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(started); })) << run.words();
+    run.launcher().signal(SIGQUIT);
+    folder.write("go_on", "");
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("Ctrl-\\"));
 }
 
 // A stop that cannot be kept still stops, and its text says that it ends with the program.

@@ -50,6 +50,19 @@ class LockStepLog : public testing::Test {
         const Outcome outcome = run_thimble(check);
         EXPECT_EQ(outcome.code, 0) << outcome.words;
     }
+    // The line for a table that is exported at the same time is on standard error.
+    void expect_only_messages_on_standard_output(const fs::path& file) const {
+        const std::string out = (folder_ / "export").string();
+        const std::string json =
+            run_to_end(
+                "/bin/sh",
+                {"-c", fmt::format("'{}' log export '{}' --csv '{}' --hdf5 '{}.h5' --ros2 '{}.mcap' "
+                                   "--json - 2>/dev/null",
+                                   (built_programs() / "thimble").string(), file.string(), out, out, out)})
+                .words;
+        EXPECT_THAT(json, testing::StartsWith("{"));
+        EXPECT_THAT(json, testing::EndsWith("}\n"));
+    }
     // `one` has the results of this session in virtual time.
     void expect_results_of_virtual_time() {
         ASSERT_EQ(run("virtual", "virtual").code, 0);
@@ -71,6 +84,7 @@ TEST_F(LockStepLog, IsTheSameEachTimeAndChangesNoByteOfTheResults) {
     static_cast<void>(folder_.write("one/nodes/session_50ms_trial02.mcap", "to be replaced on request"));
     run_well("one", {"--overwrite"});
     expect_good_logs("one");
+    expect_only_messages_on_standard_output(log("one", "session", 2));
     EXPECT_THAT(messages(log("one", "session", 2)), HasSubstr("/slave_sim/record"));
     for (const std::string& program : programs()) {
         for (const int trial : {1, 2}) {

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <fstream>
 #include <functional>
+#include <sys/resource.h>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -262,6 +263,20 @@ TEST(Play, AKilledWindowEndsTheSessionAndIsNamed) {
     expect_nobody_left(hand);
 }
 
+TEST(Play, AFullDiskEndsTheSessionAndIsNamed) {
+    PlayedHand hand({"--modality", "VF"});
+    ASSERT_TRUE(hand.play([&] { return hand.running(); })) << hand.words();
+    rlimit room{};  // of one file of the launcher
+    ASSERT_EQ(prlimit(hand.launcher().pid(), RLIMIT_FSIZE, nullptr, &room), 0);
+    room.rlim_cur = 8192;
+    ASSERT_EQ(prlimit(hand.launcher().pid(), RLIMIT_FSIZE, &room, nullptr), 0);
+    EXPECT_EQ(hand.end(), 1) << hand.words();
+    EXPECT_NE(hand.words().find("check the disk's free space"), std::string::npos) << hand.words();
+    ASSERT_EQ(hand.rows().size(), 1U);
+    EXPECT_EQ(hand.rows()[0].lost_peer, Role::kSession);
+    expect_nobody_left(hand);
+}
+
 TEST(Play, AClosedWindowIsAGoodEnd) {
     PlayedHand hand({"--modality", "VF"});
     ASSERT_TRUE(hand.play([&] { return hand.running(); })) << hand.words();
@@ -362,6 +377,14 @@ TEST(PlayReplay, SaysWhichTrialThereIsNot) {
     EXPECT_EQ(outcome.code, 5);
     EXPECT_NE(outcome.words.find("trials.csv"), std::string::npos) << outcome.words;
     EXPECT_EQ(run_thimble({"play", "--trial", "2"}).code, 2);
+    EXPECT_EQ(run_thimble({"play", "--replay", "nothing", "--out", (folder / "out").string()}).code, 2);
+    const auto session = folder.write("slow.toml", "[session]\ndelays_s = [1.3]\n");
+    for (const std::vector<std::string>& shown :
+         {std::vector<std::string>{"--visual-command", "thimble-visual", "--base-port",
+                                   std::to_string(ports.base())},
+          {"--frames", (folder / "frames").string()}})
+        EXPECT_EQ(run_thimble(words_in("play " + session.string() + " --replay nothing", shown)).code, 5)
+            << "a replay needs no delay that can be played";
 }
 
 TEST(PlayInABrowser, TakesNoOtherOption) {

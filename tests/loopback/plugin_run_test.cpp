@@ -87,6 +87,16 @@ TEST_F(PluginRun, OneThatDoesNotEndIsNamed) {
     }
 }
 
+// The only trial of a participant's session.
+TEST_F(PluginRun, OneThatDoesNotEndAfterAParticipantIsNamed) {
+    const Outcome outcome =
+        run(THIMBLE_PLUGINS "/bad.so", "fault_number = 19", "wall",
+            "timeout_s = 1\n[protocol]\nexperiments = [3]\ntrials_per_modality = 1\npractice_trials = 0\n"
+            "repeat_timeouts = false");
+    EXPECT_EQ(outcome.code, 1) << outcome.words;
+    EXPECT_THAT(outcome.words, HasSubstr("bad.so: did not return from destroy()"));
+}
+
 TEST_F(PluginRun, OneOfAnotherVersionIsRefused) {
     const Outcome outcome = run(THIMBLE_PLUGINS "/bad_abi.so", "", "virtual");
     EXPECT_EQ(outcome.code, 2);

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -14,6 +13,7 @@
 #include "session/settings/system_settings.hpp"
 #include "session/virtual/energy_demand.hpp"
 #include "thimble/commands/commands.hpp"
+#include "thimble/commands/run.hpp"
 #include "thimble/commands/shared.hpp"
 #include "thimble/doctor/checks.hpp"
 #include "thimble/doctor/facts.hpp"
@@ -33,15 +33,6 @@ bool needs_other_machines(const NetworkSettings& network) {
                        [](const std::string& host) { return !means_this_machine(host); });
 }
 
-// As `thimble run` has it where the file does not say.
-unsigned condition_count(const SessionPlan& plan) {
-    const unsigned delays = static_cast<unsigned>(plan.delays.size());
-    const unsigned wanted = plan.parallel_conditions > 0
-                                ? static_cast<unsigned>(plan.parallel_conditions)
-                                : std::max(1U, std::thread::hardware_concurrency() / 2);
-    return std::min(delays, wanted);
-}
-
 // A session file that cannot be read is a finding; the rest is then looked at for the default session.
 ConfigFile read_session(const DoctorArguments& arguments, SystemSettings& settings, SessionFacts& facts) {
     facts.file = arguments.session;
@@ -54,7 +45,11 @@ ConfigFile read_session(const DoctorArguments& arguments, SystemSettings& settin
     }
     gather_session(file, settings, facts);
     gather_services(settings, facts);
-    facts.energy = energy_warning(settings);
+    try {
+        facts.energy = energy_warning(settings);
+    } catch (const Error& error) {  // of a plug-in
+        facts.problem = error.what();
+    }
     return file;
 }
 
@@ -66,7 +61,9 @@ int examine_machine(const DoctorArguments& arguments) {
     facts.session.several_machines = needs_other_machines(network);
     const int base_port = arguments.base_port != 0 ? arguments.base_port : network.base_port;
     facts.programs = gather_programs(program_folder());
-    facts.ports = gather_ports(static_cast<std::uint16_t>(base_port), condition_count(settings.plan));
+    facts.ports = gather_ports(
+        static_cast<std::uint16_t>(base_port),
+        conditions_at_once(settings, settings.plan.delays.size(), settings.launch.anywhere_else()));
     facts.firewall = gather_firewall("/");
     facts.ros2 = gather_ros2(file, settings);
     gather_time(file, arguments.seconds_s, facts.realtime, facts.timer);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include <fmt/format.h>
@@ -23,6 +24,7 @@
 #include "session/virtual/lock_step_session.hpp"
 #include "session/virtual/ping_pong.hpp"
 #include "session/virtual/virtual_session.hpp"
+#include "study/study_folder.hpp"
 
 namespace thimble {
 namespace {
@@ -56,7 +58,10 @@ class Run {
         make_folder(options_.out);
         TrialTable table(options_.out / "trials.csv", if_exists_);
         table_ = &table;
-        if (options_.overwrite) remove_earlier_logs();
+        if (options_.overwrite) {
+            remove_earlier_logs();
+            remove_earlier_results(options_.out);
+        }
         if (by(RunClock::kWall)) {
             progress_.say("measuring the round trip between two processes, without a session");
             bare_ = measure_ping_pong(options_.runtime);
@@ -97,22 +102,20 @@ class Run {
 
     unsigned condition_count() const {
         if (by(RunClock::kVirtual) || options_.step) return 1;
-        if (held_by_person(settings_.handle.kind))
-            return 1;  // one hand, and one device that can be opened once
-        // One condition at a time if other machines take part: their number of cores is unknown here.
-        const unsigned cores = elsewhere() ? 1 : std::thread::hardware_concurrency();
-        const unsigned by_itself = by(RunClock::kLockStep) ? cores : cores / 2;
-        const unsigned wanted = settings_.plan.parallel_conditions > 0
-                                    ? static_cast<unsigned>(settings_.plan.parallel_conditions)
-                                    : std::max(1U, by_itself);
-        return std::min(wanted, static_cast<unsigned>(delays_.size()));
+        return conditions_at_once(settings_, delays_.size(), elsewhere(), options_.clock);
     }
 
     // Conditions take the next delay until none is left or something went wrong.
     void run_conditions() {
         std::vector<std::thread> threads;
-        for (unsigned place = 0; place < condition_count(); ++place)
-            threads.emplace_back([this, place] { work(place); });
+        for (unsigned place = 0; place < condition_count(); ++place) {
+            try {
+                threads.emplace_back([this, place] { work(place); });
+            } catch (const std::system_error&) {  // no thread is free: fewer conditions at once
+                if (threads.empty()) throw;
+                break;
+            }
+        }
         for (std::thread& thread : threads) thread.join();
         try {
             while (turn_ < delays_.size()) pass_turn();
@@ -372,6 +375,19 @@ std::vector<TrialConditions> run_trials_of(const SystemSettings& settings, doubl
                           delay_s, draw_fixture_position_m(protocol, settings.plan.subject, number)});
     }
     return trials;
+}
+
+unsigned conditions_at_once(const SystemSettings& settings, std::size_t delays, bool elsewhere,
+                            RunClock clock) {
+    // A person has one hand, and one device that can be opened once; a participant's session has one delay.
+    if (held_by_person(settings.handle.kind) || settings.protocol) return 1;
+    // One condition at a time if other machines take part: their number of cores is unknown here.
+    const unsigned cores = elsewhere ? 1 : std::thread::hardware_concurrency();
+    const unsigned by_itself = clock == RunClock::kLockStep ? cores : cores / 2;
+    const unsigned wanted = settings.plan.parallel_conditions > 0
+                                ? static_cast<unsigned>(settings.plan.parallel_conditions)
+                                : std::max(1U, by_itself);
+    return std::min(wanted, static_cast<unsigned>(delays));
 }
 
 RunResult run_session(const SystemSettings& settings, const RunOptions& options) {

@@ -57,6 +57,10 @@ struct RunResult {
 // The trials of one delay, in order.
 std::vector<TrialConditions> run_trials_of(const SystemSettings& settings, double delay_s);
 
+// How many of the delays have their trials at the same time, each on ports of its own. `elsewhere`: other machines take part.
+unsigned conditions_at_once(const SystemSettings& settings, std::size_t delays, bool elsewhere,
+                            RunClock clock = RunClock::kWall);
+
 // Writes trials.csv, trajectories/, nodes/ (logs and reports), report.html and summary.json below
 // options.out.
 RunResult run_session(const SystemSettings& settings, const RunOptions& options);

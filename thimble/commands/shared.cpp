@@ -49,8 +49,9 @@ CLI::Option* add_session_option(CLI::App& command, std::string& file, const std:
 }
 
 void say_results(bool json, const std::filesystem::path& folder, const std::vector<TrialRow>& rows) {
+    std::ifstream summary(folder / "summary.json");
+    if (!summary) return;  // no trial is done, so there is no report
     if (json) {
-        std::ifstream summary(folder / "summary.json");
         std::cout << summary.rdbuf();
         return;
     }

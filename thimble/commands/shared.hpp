@@ -48,7 +48,7 @@ CLI::Option* add_session_option(CLI::App& command, std::string& file, const std:
 void check_build(const SystemSettings& settings);
 
 // Prints the results of a run or a study: the answer in three sentences, and the report's place in `folder`. As JSON
-// it prints the folder's summary.json instead.
+// it prints the folder's summary.json instead. Nothing if that is not there.
 void say_results(bool json, const std::filesystem::path& folder, const std::vector<TrialRow>& rows);
 
 }  // namespace thimble

@@ -1,4 +1,5 @@
 // Movements for others, in the layout of Motion-BIDS, judged by BIDS' own validator.
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "session/participant/dataset.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
+#include "tests/full_disk.hpp"
 #include "tests/read_text.hpp"
 #include "tests/refusal.hpp"
 #include "tests/unit/participant/bids_validator.hpp"
@@ -17,7 +19,9 @@
 namespace thimble {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 // A study of two subjects with a trial each; the second trial has no trajectory.
 class MotionBids : public testing::Test {
@@ -85,12 +89,35 @@ TEST_F(MotionBids, TheSamplingFrequencyIsThatOfTheTrial) {
     }
 }
 
+// A program that is killed leaves part of a line. The trial keeps its whole lines, and the others are exported.
+TEST_F(MotionBids, ATornTrajectoryKeepsItsWholeLines) {
+    const auto torn = study() / "trajectories" / "experiment3_subject02_trial01_CF_50ms.csv";
+    const std::string whole =
+        read_text(study() / "trajectories" / "experiment3_subject01_trial01_CF_50ms.csv");
+    write_text(torn, whole.substr(0, whole.find("\n0.005") + 4));
+    EXPECT_EQ(export_motion(study(), bids()).trials, 2U);
+    const std::string text = read_text(bids() / "sub-02" / "motion" /
+                                       "sub-02_task-needleExperiment3_tracksys-slave_run-01_motion.tsv");
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 5);
+}
+
 TEST_F(MotionBids, WhatHoldsNothingIsRefused) {
     write_trajectory({0.5});
     EXPECT_THROW(export_motion(study(), bids()), Error);
     std::filesystem::remove_all(study() / "trajectories");
     EXPECT_THROW(export_motion(study(), bids()), Error);
     EXPECT_THROW(export_motion(folder_ / "none", bids()), Error);
+}
+
+TEST_F(MotionBids, AFullDiskUnderACopyIsAFailureOfTheRun) {
+    const Dataset dataset(folder_ / "people");
+    dataset.open(SubjectKind::kVirtual, {});
+    EXPECT_THAT(refusal([&] { export_motion(dataset.folder(), bids()); }),
+                AllOf(HasSubstr("run a trial of a participant"), Not(HasSubstr("thimble study"))));
+    write_text(dataset.folder() / "README.md", std::string(200'000, 'x'));
+    const FullDisk disk(100'000);
+    EXPECT_THAT(refusal([&] { export_motion(dataset.folder(), bids()); }, ExitCode::kRunFailed),
+                HasSubstr("README.md"));
 }
 
 // The folder is as empty as it was, so that the same command works once there is something.

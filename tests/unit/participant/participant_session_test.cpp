@@ -241,6 +241,11 @@ TEST_F(ParticipantSessionTest, GivesUpWhenPeersAreLostAgainAndAgain) {
     EXPECT_THAT(result.problem, HasSubstr("the cable"));
 }
 
+TEST_F(ParticipantSessionTest, GivesUpOnAFullDiskWithoutNamingTheNetwork) {
+    trials_.outcomes.assign(9, EndReason::kDeviceFault);
+    EXPECT_EQ(run_to_end().code, ExitCode::kRunFailed);
+}
+
 TEST_F(ParticipantSessionTest, TheExperimenterRejectsAndExcludes) {
     settings_.break_minimum = seconds{0};
     // Before each trial a line is asked for; what marks the last trial comes before its Enter.

@@ -2,9 +2,14 @@
 #include "session/participant/prompt.hpp"
 
 #include <array>
+#include <fcntl.h>
+#include <string>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
+
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -77,6 +82,21 @@ TEST(DescriptorLines, LinesComeWhenTheyAreWhole) {
     EXPECT_EQ(lines.take_line(), "x");  // a last line without an end
     EXPECT_FALSE(lines.take_line().has_value());
     EXPECT_TRUE(lines.ended());
+}
+
+// /dev/zero never pauses, as `yes ''` does not.
+TEST(DescriptorLines, AnInputWithoutLinesEndsAndOneWithoutAPauseIsReadLineByLine) {
+    const FileDescriptor zero(::open("/dev/zero", O_RDONLY | O_CLOEXEC));
+    DescriptorLines zeros(zero.get());
+    EXPECT_FALSE(zeros.take_line().has_value());
+    EXPECT_TRUE(zeros.ended());
+    Pipe pipe;
+    DescriptorLines lines(pipe.reading_end());
+    pipe.write(std::string(5000, '\n'));
+    EXPECT_EQ(lines.take_line(), "");
+    int left = 0;
+    EXPECT_EQ(::ioctl(pipe.reading_end(), FIONREAD, &left), 0);
+    EXPECT_GE(left, 3000);
 }
 
 }  // namespace

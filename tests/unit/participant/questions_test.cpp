@@ -192,6 +192,10 @@ TEST_F(Questions, ConsentHasAVersionAndATime) {
               "participant_id\ttime_utc\tconsent\tversion\nsub-02\t2025-11-25T22:30:07Z\tyes\tv2\n");
     pages_.consent->version = "v3";
     EXPECT_FALSE(has_consented(dataset_, *pages_.consent, 2)) << "another text";
+    add_participant(dataset_, 3, SubjectKind::kHuman, {});
+    open_phenotype(dataset_, pages_, 1);
+    pages_.consent->version = "n/a";
+    EXPECT_FALSE(has_consented(dataset_, *pages_.consent, 3)) << "the line says that nothing is known";
 }
 
 TEST_F(Questions, AnEmergencyStopInTheConsentPageIsSaidAtOnce) {
@@ -303,7 +307,7 @@ TEST_F(Questions, CorrectionsLeaveALineAndTheAnalysisHonoursThem) {
         const auto change = [&] {
             correct_person(dataset_.folder(), "P02", wrong.first, wrong.second, note);
         };
-        EXPECT_FALSE(refusal(change, ExitCode::kUsage).empty());
+        EXPECT_NE(refusal(change, ExitCode::kUsage), "nothing was refused") << wrong.first;
     }
     const auto silent = [&] { exclude_trial(dataset_.folder(), "P02", 2, {"LS", " ", ""}); };
     EXPECT_THAT(refusal(silent, ExitCode::kUsage), HasSubstr("only with a reason: give --reason"));

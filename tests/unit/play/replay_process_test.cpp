@@ -129,6 +129,13 @@ TEST_F(ReplayProcessTest, ADimpleIsDrawnAgainstTheTrialsFirstSampleWhereverItBeg
     EXPECT_EQ(display.recent(0).scene.position_surface_rest_m, 0.5);
 }
 
+TEST_F(ReplayProcessTest, AJumpBackOverTheBeepLosesNoScreen) {
+    run_for(seconds{7});
+    ASSERT_TRUE(replay.shows());
+    EXPECT_FALSE(replay.obey(loop.now(), Order{.value = 3, .kind = OrderKind::kSeek}));
+    EXPECT_TRUE(replay.shows());
+}
+
 TEST_F(ReplayProcessTest, BothViewsHearTheSameAndMaySeek) {
     OutboundFlow player(Role::kExperimenter, 4, {&second_orders.a});
     InboundFlow ears{Role::kSession};

@@ -1,4 +1,4 @@
-/* A plug-in with the fault that its key names, for tests of what a fault costs. The order is that of plugin_test.cpp. */
+/* A plug-in with the fault that its key names, for tests of what a fault costs. The order is that of Fault in plugins.hpp. */
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>

@@ -13,6 +13,8 @@
 #include "common/control/controller_ends.hpp"
 #include "common/process/isolated.hpp"
 #include "common/process/sandbox.hpp"
+#include "session/records/trial_table.hpp"
+#include "session/virtual/energy_demand.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "study/board/board_row.hpp"
 #include "study/compensators/compensator_study.hpp"
@@ -51,6 +53,25 @@ TEST(PluginSession, OneThatFailsCostsItsOwnTrial) {
     EXPECT_EQ(trial_with(control_of("mine")).reason, EndReason::kCompleted);
 }
 
+TEST(PluginSession, ATripOfTheGuardIsNamed) {
+    SystemSettings settings = with_control(paper(), bad(Fault::kNone));
+    settings.master.guard.energy_limit_J = 1e-6;
+    const TrialRecord record = run_virtual_trial(settings, trial_of(Modality::kHF, kPaperDelay));
+    EXPECT_EQ(outcome_text(record.reason, record.lost_peer), "safety_stop_master");
+    EXPECT_THAT(record.fault, HasSubstr("[guard] energy_limit_J"));
+    EXPECT_FALSE(record.samples.empty());
+}
+
+TEST(PluginSession, OneThatFailsEndsTheLookAtItsEnergyOnly) {
+    SystemSettings settings = with_control(paper(), bad(Fault::kCrash));
+    settings.handle.kind = HandleKind::kFalcon;
+    settings.master.guard = guard_of_real_handle();
+    EXPECT_THAT(refusal([&] { energy_warning(settings, {kPaperDelay}); }, ExitCode::kRunFailed),
+                HasSubstr("bad.so: crashed in sample()"));
+    settings.master.control = bad(Fault::kNone);
+    EXPECT_GT(most_given_out_J(settings, kPaperDelay, 1), 0.5) << "it oscillates";
+}
+
 // The session goes on with 0 N, but the user hears of it.
 TEST(PluginSession, OneThatGivesNoNumbersIsSaid) {
     testing::internal::CaptureStdout();
@@ -63,7 +84,7 @@ TEST(PluginSession, OneThatGivesNoNumbersIsSaid) {
     EXPECT_THROW(run_board_trial(with_control(paper(), bad(Fault::kNotANumber)), 1, 1), Error);
 }
 
-TEST(PluginSession, CtrlCDoesNotReachAPythonController) {
+TEST(PluginSession, NeitherCtrlCNorAPrintDisturbsAPythonController) {
     const TemporaryDirectory folder;
     std::filesystem::copy(
         std::filesystem::path(THIMBLE_SOURCE_DIR) / "examples/controller/thimble_controller.py",
@@ -71,12 +92,12 @@ TEST(PluginSession, CtrlCDoesNotReachAPythonController) {
     write_text(folder / "stopped.py",
                "import os, signal\nfrom thimble_controller import Controller, serve\n"
                "class Stopped(Controller):\n    def force(self, newest):\n"
-               "        os.kill(os.getpid(), signal.SIGINT)\n        return 0\n"
+               "        print('moving')\n        os.kill(os.getpid(), signal.SIGINT)\n        return 0.5\n"
                "if __name__ == '__main__':\n    serve(Stopped)\n");
     HandleEnd end(control_by(folder / "stopped.py"), {});
     end.start({});
-    EXPECT_EQ(end.force_N(), 0);
-    EXPECT_EQ(end.force_N(), 0);
+    EXPECT_EQ(end.force_N(), 0.5);
+    EXPECT_EQ(end.force_N(), 0.5);
 }
 
 TEST(PluginSession, APythonControllerThatHangsIsEnded) {

@@ -113,6 +113,22 @@ TEST(ConditionFiles, KeepWhatWasAddedAlsoWithoutAnEnd) {
     EXPECT_EQ(records[99].node, Role::kMaster);
 }
 
+TEST(ConditionFiles, ATrialThatIsReplacedLeavesNoChangesOfTheNetwork) {
+    const TemporaryDirectory folder;
+    write_events(event_path(folder / "t.csv"), {{0.3, 0.5}});
+    ConditionFiles files(plan_in(folder.path()));
+    files.begin_trial({}, 1, folder / "t.csv");
+    end(files);
+    EXPECT_FALSE(std::filesystem::exists(event_path(folder / "t.csv")));
+}
+
+TEST(Reports, AnOddLogHasNoFault) {
+    for (const char* report :
+         {"[1]", "{}", R"({"log": null})", R"({"log": {"fault": 1}})", R"({"log": [1]})"})
+        EXPECT_EQ(log_fault_in(nlohmann::ordered_json::parse(report)), "") << report;
+    EXPECT_EQ(log_fault_in({{"log", {{"fault", "full"}}}}), "full");
+}
+
 TEST(ConditionFiles, AFaultOfTheDiskIsKnownSoon) {
     const TemporaryDirectory folder;
     const ConditionPlan plan = plan_in(folder.path());

@@ -99,6 +99,8 @@ TEST(SessionPlan, AContradictionNamesBothKeysAndBothValues) {
     EXPECT_THAT(session_refusal("[netem.force]\ndelay_s = 0.02\n[protocol]\nexperiments = [1]\n"),
                 HasSubstr("delay_s"));
     EXPECT_THAT(session_refusal("[session]\ndelays_s = [0.05, 0.05]\n"), HasSubstr("twice"));
+    EXPECT_THAT(session_refusal("[session]\ndelays_s = [0.05, 0.05000001]\n"),
+                HasSubstr("the same name in files, 50ms"));
     EXPECT_THAT(session_refusal("[session]\nmodalities = ['HF', 'HF']\n"), HasSubstr("twice"));
 }
 

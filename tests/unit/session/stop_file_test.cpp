@@ -1,13 +1,17 @@
 // A stop that outlives its session: kept once, and taken away only by a program that has read this one, not an older one.
 #include "session/run/stop_file.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <functional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/runtime/standard_streams.hpp"
 #include "common/text_file.hpp"
+#include "session/run/session_stop.hpp"
+#include "session/virtual/virtual_session.hpp"
 #include "tests/refusal.hpp"
 #include "tests/unit/session/records.hpp"
 
@@ -69,6 +73,34 @@ TEST_F(StopFileTest, APlaceThatKeepsNoStopIsRefusedBeforeAnythingBegins) {
     std::filesystem::remove_all(folder_.path());
     file.require_released();
     EXPECT_THAT(words_of([&] { file.keep("smoke"); }), HasSubstr("cannot write"));
+}
+
+// A folder in its place stands for a file that may not be removed.
+TEST_F(StopFileTest, OneThatCannotBeRemovedIsToldOnceAndTriedAgain) {
+    VirtualSession session(load_system_settings({}));
+    const ConditionPlan plan;
+    const StopFile file(plan.network.base_port);
+    SessionStop stop(session.session(), plan);
+    session.emergency_stop(Role::kSession, "smoke");
+    stop.look();
+    ASSERT_TRUE(file.kept());
+    std::filesystem::rename(file.path(), folder_ / "away");
+    std::filesystem::create_directory(file.path());
+    session.idle(std::chrono::seconds{1});
+    session.release_stop();
+    session.idle(std::chrono::seconds{1});
+    ASSERT_FALSE(stop.stopped());
+    testing::internal::CaptureStderr();
+    stop.look();
+    stop.look();
+    EXPECT_TRUE(stderr_written_within(std::chrono::seconds{20}));
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_THAT(said, HasSubstr("warning: the stop was released, but its file is still there: "));
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+    std::filesystem::remove(file.path());
+    std::filesystem::rename(folder_ / "away", file.path());
+    stop.look();
+    EXPECT_FALSE(file.kept());
 }
 
 // Long enough to leave any buffer before the file is closed, and short enough to stay in it.

@@ -1,6 +1,8 @@
 #include "session/records/trajectory_file.hpp"
 
+#include <filesystem>
 #include <functional>
+#include <iterator>
 #include <utility>
 
 #include <gmock/gmock.h>
@@ -120,6 +122,18 @@ TEST(TrajectoryFile, RefusesToOverwrite) {
     TrajectoryWriter(directory / "t.csv").end(EndReason::kCompleted);
     EXPECT_THROW(TrajectoryWriter(directory / "t.csv"), Error);
     EXPECT_NO_THROW(TrajectoryWriter(directory / "t.csv", IfExists::kReplace));
+}
+
+TEST(TrajectoryFile, RemovesThoseOfRunsAndStudiesAlone) {
+    const TemporaryDirectory directory;
+    for (const char* name : {"trial01_HF_50ms.csv", "trial01_HF_50ms.events.csv",
+                             "experiment3_subject01_trial01_HF_50ms.csv", "trials.csv", "trial01.txt"})
+        write_text(directory / name, "");
+    remove_trajectories(directory.path());
+    remove_trajectories(directory / "absent");
+    using Files = std::filesystem::directory_iterator;
+    EXPECT_EQ(std::distance(Files(directory.path()), Files()), 2);
+    EXPECT_TRUE(std::filesystem::exists(directory / "trials.csv"));
 }
 
 TEST(EventFile, StandsBesideTheTrajectory) {

@@ -24,9 +24,11 @@ TEST(PlannedTable, GoesOnBehindTheWholeRowsOfTheSamePlan) {
         table.append("a\nb\n");
         table.append("c\n");
         EXPECT_EQ(table.done(), 3U);
+        EXPECT_EQ(read_text(path / "map.csv"), "head\na\nb\nc\n");
+        std::ofstream(path / "map.csv", std::ios::app) << "half a row";
+        EXPECT_THROW(open("plan", IfExists::kContinue), Error);  // it is still written
+        EXPECT_EQ(read_text(path / "map.csv"), "head\na\nb\nc\nhalf a row");
     }
-    EXPECT_EQ(read_text(path / "map.csv"), "head\na\nb\nc\n");
-    std::ofstream(path / "map.csv", std::ios::app) << "half a row";
     EXPECT_THROW(open("plan", IfExists::kRefuse), Error);
     EXPECT_EQ(open("plan", IfExists::kContinue).done(), 3U);
     EXPECT_THROW(open("another", IfExists::kContinue), Error);

@@ -104,6 +104,13 @@ TEST_F(StudyFolder, CurvesReadBackToTheLastDigit) {
     }
 }
 
+TEST_F(StudyFolder, AStudyThatStillRunsKeepsItsRows) {
+    StudyTables tables = open(IfExists::kRefuse);
+    run(tables, 0, 2);
+    append_text("trials.csv", "3,1,");  // it is in the middle of a row
+    expect_kept(ExitCode::kUsage, "another program is writing", table());
+}
+
 TEST_F(StudyFolder, AnotherStudyIsNotGoneOnWith) {
     write_first(2);
     planned_[1].study_seed = 99;

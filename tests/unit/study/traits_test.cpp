@@ -48,6 +48,10 @@ TEST(Traits, WhatCannotActIsNotLearned) {
     EXPECT_EQ(acting_traits(population, Modality::kHF).size(), 7U);
     population.behaviour.recovery = Recovery::kPush;
     EXPECT_EQ(acting_traits(population, Modality::kHF).size(), 8U);
+    population.noise.sway_m = population.behaviour.push_m = 0;
+    EXPECT_EQ(acting_traits(population, Modality::kHF).size(), 6U);
+    for (const double score : trait_scores(population, draw_subject(population, 1, 1, 1)))
+        EXPECT_TRUE(std::isfinite(score));
 }
 
 TEST(FitSummary, DrawsOfThePopulationIdentifyNothing) {
