@@ -45,11 +45,6 @@ GroupFindings find_in(const std::vector<TrialRow>& rows, std::uint32_t experimen
     return group;
 }
 
-template <class Value>
-nlohmann::ordered_json or_null(const std::optional<Value>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-}
-
 nlohmann::ordered_json json_of(const std::optional<ConfidenceInterval>& interval) {
     if (!interval) return nullptr;
     return {interval->low, interval->high};

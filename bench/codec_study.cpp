@@ -49,7 +49,7 @@ void add(Cell& cell, const CountedTrial& trial) {
 
 Cell run_cell(const SystemSettings& settings, double delay_s, const CodecStudy& options) {
     Cell cell;
-    const Modality modality = find_modality(options.modality).value_or(Modality::kHF);
+    const Modality modality = *find_modality(options.modality);
     for (std::uint32_t subject = 1; subject <= options.subjects; ++subject) {
         const Protocol protocol = experiment_3(settings, subject, 1);
         for (std::uint32_t trial = 1; trial <= options.trials; ++trial) {
@@ -140,9 +140,10 @@ int codec_study(int argc, char** argv) {
     CLI::App app("Haptic codecs: packets saved against penetration. Prints Markdown.",
                  "thimble-bench codecs");
     app.add_option("session", options.session, "Session file. Its codec is the only one, if it has one.");
-    app.add_option("--modality", options.modality, "HF, CF, CCF or VF.");
-    app.add_option("--subjects", options.subjects, "Virtual subjects.");
-    app.add_option("--trials", options.trials, "Trials of each.");
+    app.add_option("--modality", options.modality, "HF, CF, CCF or VF.")
+        ->check(CLI::IsMember({"HF", "CF", "CCF", "VF"}));
+    app.add_option("--subjects", options.subjects, "Virtual subjects.")->check(CLI::Range(1, 100000));
+    app.add_option("--trials", options.trials, "Trials of each.")->check(CLI::Range(1, 100000));
     app.add_option("--set", options.set, "KEY=NUMBER of the session file.");
     app.add_option("--delays", options.delays_s, "Of the force path, one way, s.")->delimiter(',');
     app.add_flag("--rates", options.rates, "Packets per second instead of shares: needle + force.");

@@ -28,10 +28,11 @@ def study(thimble, options, out):
         raise SystemExit(f'{thimble} study ended with code {done.returncode}: {done.stderr}')
     spent = user_s() - before
     simulated = 0
-    for name in ('trials.csv', 'no_lag.csv'):  # the second: the control without lag, unless --no-control
-        if (out / name).exists():
-            with open(out / name, newline='') as table:
-                simulated += sum(float(row['duration_s']) for row in csv.DictReader(table))
+    for name in out.glob('*.csv'):  # controls and compensators too; curves and subjects have no duration
+        with open(name, newline='') as file:
+            table = csv.DictReader(file)
+            if 'duration_s' in table.fieldnames:
+                simulated += sum(float(row['duration_s']) for row in table)
     return spent, simulated, (out / 'trials.csv').read_bytes()
 
 

@@ -21,8 +21,8 @@ void add_study(pybind11::module_& module);
 void add_board(pybind11::module_& module);
 void add_logs(pybind11::module_& module);
 
-// A dictionary as TOML for the reader of session files: dictionaries become tables, numbers of numpy numbers. Throws
-// Error (usage) for a value that TOML does not have.
+// A dictionary as TOML for the reader of session files: dictionaries become tables, numpy's numbers numbers and its arrays lists.
+// Throws Error (usage) for a value that TOML does not have.
 std::string toml_text(const pybind11::dict& table);
 
 // A session as Python gives it: None (the defaults), the path of a file, or a dictionary of its tables. `changes`: dotted keys with

@@ -13,14 +13,14 @@ namespace {
 
 namespace py = pybind11;
 
-// Numbers are numbers, and what is absent is None.
+// Numbers are numbers, and what is absent is None. A seed has more digits than a double.
 py::object cell(std::string_view text) {
     if (text.empty()) return py::none();
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size()) return py::str(std::string(text));
     return text.find_first_of(".einf") == std::string_view::npos
-               ? py::object(py::int_(static_cast<std::int64_t>(value)))
+               ? py::object(py::int_(py::str(std::string(text))))
                : py::object(py::float_(value));
 }
 

@@ -27,9 +27,11 @@ std::string toml_value(const py::handle& value);
 
 std::string toml_number(const py::handle& value) {
     try {
-        if (PyIndex_Check(value.ptr()) != 0)
-            return fmt::format(
-                "{}", py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr())).cast<std::int64_t>());
+        if (PyIndex_Check(value.ptr()) != 0) {
+            const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+            if (!whole) throw py::error_already_set();
+            return fmt::format("{}", whole.cast<std::int64_t>());
+        }
         return fmt::format("{}", py::float_(py::reinterpret_borrow<py::object>(value)).cast<double>());
     } catch (const py::cast_error&) {
         throw Error(ExitCode::kUsage, "{}: is no whole number of 64 bits, which is the most that a key takes",
@@ -58,9 +60,11 @@ std::string toml_value(const py::handle& value) {
     if (py::isinstance<py::dict>(value))
         return fmt::format("{{{}}}", toml_table(py::reinterpret_borrow<py::dict>(value), ", "));
     if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) return toml_list(value);
+    // An array passes for a number as well, so it comes first.
+    if (py::hasattr(value, "tolist") && py::hasattr(value, "__len__"))
+        return toml_value(value.attr("tolist")());
     // Numbers of numpy too.
     if (PyNumber_Check(value.ptr()) != 0) return toml_number(value);
-    if (py::hasattr(value, "tolist")) return toml_list(value.attr("tolist")());
     throw Error(ExitCode::kUsage, "{}: is no number, text, list or dictionary",
                 py::repr(value).cast<std::string>());
 }

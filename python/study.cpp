@@ -3,6 +3,7 @@
 
 #include "common/error.hpp"
 #include "python/bindings.hpp"
+#include "session/participant/dataset.hpp"
 #include "session/settings/system_settings.hpp"
 
 namespace thimble {
@@ -16,6 +17,12 @@ struct Design {
     bool paper = false;
     std::vector<SettingChange> changes{};
 };
+
+void require_subjects(std::uint32_t subjects) {
+    constexpr std::uint32_t kMost = 1'000'000;
+    if (subjects < 1 || subjects > kMost)
+        throw Error(ExitCode::kUsage, "subjects {}: has to be 1 to {}", subjects, kMost);
+}
 
 Design design_of(const py::object& session, const std::map<std::string, double>& changes,
                  std::optional<std::uint32_t> subjects, std::optional<std::uint64_t> seed,
@@ -31,6 +38,7 @@ Design design_of(const py::object& session, const std::map<std::string, double>&
         design.settings.plan.order = *known;
     }
     if (subjects) {
+        require_subjects(*subjects);
         if (!design.settings.protocol) design.settings.protocol.emplace();
         design.settings.protocol->subjects = *subjects;
     }
@@ -66,6 +74,7 @@ std::string write_folder(const Design& design, const py::object& out, unsigned j
     StudyOptions options;
     options.protocols = design.protocols;
     options.out = py::str(out).cast<std::string>();
+    refuse_dataset(options.out);
     options.command = "thimble.study() in Python";
     if (!design.settings.file.empty())
         options.made_with = {{"all parameters", all_parameters(design.settings.file, design.changes)}};

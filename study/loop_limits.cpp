@@ -21,19 +21,10 @@ HeldHandle held_handle(const SystemSettings& s) {
             k_a};
 }
 
-// Presses slowly, so that damping adds nothing, at two depths, so that an offset at the surface does not count.
+// Not measured by a press: an event of the trial may move or remove the region.
 double fixture_stiffness_N_per_m(const SlaveSettings& settings) {
-    constexpr double kDepth_m = 1e-4, kSlowly_s = 1e6;
-    NeedleScene scene(settings.scene, settings.make_tissue);
-    if (scene.fixture() == nullptr) return 0;
-    const double surface_m = settings.fixture_position_m();
-    const auto press = [&](double start_s, double depth_m) {
-        scene.step(start_s, kSlowly_s, {surface_m + depth_m, surface_m + depth_m});
-        return scene.force_fixture_N();
-    };
-    scene.reset({surface_m, surface_m});
-    const double first_N = press(0, kDepth_m);
-    return (first_N - press(kSlowly_s, 2 * kDepth_m)) / kDepth_m;
+    const NeedleScene scene(settings.scene, settings.make_tissue);
+    return scene.fixture() == nullptr ? 0 : scene.fixture()->stiffness_N_per_m();
 }
 
 LoopLimits loop_limits(const SystemSettings& s) {

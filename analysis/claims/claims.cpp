@@ -80,16 +80,13 @@ std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows, const std::ve
 }
 
 nlohmann::ordered_json to_json(const Claim& claim) {
-    const auto verdict = [](const std::optional<bool>& value) {
-        return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-    };
     nlohmann::ordered_json json{{"id", claim.id},
                                 {"kind", kClaimKindNames[static_cast<std::size_t>(claim.kind)]},
                                 {"claim", claim.claim},
                                 {"paper", claim.paper},
                                 {"ours", claim.ours}};
-    json["reproduced"] = verdict(claim.reproduced);
-    json["direction"] = verdict(claim.direction);
+    json["reproduced"] = or_null(claim.reproduced);
+    json["direction"] = or_null(claim.direction);
     return json;
 }
 

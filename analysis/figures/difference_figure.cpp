@@ -62,7 +62,7 @@ ConfidenceInterval interval_of(const ConditionPair& pair) {
 }
 
 // The pairs with HF above those without: an oscillating HF is ten times as far from the others as they are from each other, so
-// each has a scale of its own. A column of panels per measure that can be tested.
+// each has a scale of its own. A column of panels per measure that has differences.
 std::vector<Differences> panels_of(const StudyColumns& columns, const std::vector<Metric>& metrics) {
     std::vector<Differences> panels;
     std::size_t column = 0;

@@ -41,8 +41,8 @@ FigureSource subject_figure(const StudyColumns& columns, const std::vector<Metri
 // every trial as a point beside the box of its modality (quartiles, median, whiskers to 1.5 times the box):
 FigureSource distribution_figure(const StudyColumns& columns, const std::vector<Metric>& metrics,
                                  const std::string& name);
-// the difference of each pair of modalities with its 95 % confidence interval and the one of all pairs at once.
-// Measures whose differences cannot be tested have no panel; nothing at all: an empty script.
+// the difference of each pair of modalities with the 95 % confidence interval for all pairs of the measure at once, a bare point
+// where there are too few subjects. A measure without a pair of two subjects has no panel; no panel at all: an empty script.
 FigureSource difference_figure(const StudyColumns& columns, const std::vector<Metric>& metrics,
                                const std::string& name);
 

@@ -112,6 +112,26 @@ void merge(std::vector<State>& states) {
     states.resize(last + 1);
 }
 
+// Of a sorted row, k! / product of (ties!); no longer exact once it is beyond `most`.
+std::size_t count_arrangements(const Ranks& row, std::size_t most) {
+    std::size_t count = 1, ties = 0;
+    for (std::size_t i = 0; i < row.size() && count <= most; ++i) {
+        ties = i > 0 && row[i] == row[i - 1] ? ties + 1 : 1;
+        count = count * (i + 1) / ties;
+    }
+    return count;
+}
+
+// Each arrangement is added to one state at least. Counted before any of them takes memory.
+bool too_many_arrangements(const std::vector<Ranks>& rows, std::size_t most_steps) {
+    std::size_t sum = 0;
+    for (const Ranks& row : rows) {
+        sum += count_arrangements(row, most_steps);
+        if (sum > most_steps) return true;
+    }
+    return false;
+}
+
 std::optional<std::vector<Ranks>> arrangements(Ranks row, std::size_t most) {
     std::sort(row.begin(), row.end());
     std::vector<Ranks> all;
@@ -253,7 +273,7 @@ std::optional<double> friedman_exact_p(const std::vector<Ranks>& rows, std::int6
     for (Ranks& row : sorted) std::sort(row.begin(), row.end());
     std::sort(sorted.begin(), sorted.end());
     ExactNull null(sorted.size(), sorted.front().size(), most_steps);
-    if (!null.fits()) return std::nullopt;
+    if (!null.fits() || too_many_arrangements(sorted, most_steps)) return std::nullopt;
     for (const Ranks& row : sorted) {
         if (!null.add(row)) return std::nullopt;
     }

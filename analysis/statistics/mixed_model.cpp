@@ -71,8 +71,6 @@ class RestrictedLikelihood {
         return solution;
     }
 
-    std::size_t groups() const { return groups_.size(); }
-
   private:
     Solution solve(const std::vector<double>& all) const {
         std::vector<double> matrix(p_ * p_);
@@ -155,8 +153,6 @@ MixedModel mixed_model(const NamedValues& values, const std::vector<NamedValues>
     model.variance_rest = solution.variance_rest;
     model.variance_group = ratio * ratio * solution.variance_rest;
     model.log_likelihood = solution.log_likelihood;
-    model.groups = likelihood.groups();
-    model.observations = values.values.size();
     const double half = normal_quantile(0.975);
     for (std::size_t k = 0; k < columns.size(); ++k) {
         std::vector<double> unit(columns.size());

@@ -24,7 +24,6 @@ struct MixedModel {
     std::vector<FixedEffect> effects;  // in the order of the columns
     double variance_group = 0, variance_rest = 0;
     double log_likelihood = 0;  // restricted
-    std::size_t groups = 0, observations = 0;
 };
 
 // `columns` of X, each as long as `values`; the intercept is one of them if there is to be one. `group` of each value, any numbers. Throws

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "analysis/statistics/descriptive.hpp"
 #include "common/error.hpp"
 
 namespace thimble {
@@ -23,12 +22,6 @@ void require_at_least(const NamedValues& column, std::size_t least, std::string_
     if (column.values.size() >= least) return;
     refuse(test, "column '" + column.name + "' has " + std::to_string(column.values.size()) +
                      " values and needs at least " + std::to_string(least) + "; measure more");
-}
-
-void require_variation(const NamedValues& column, std::string_view test) {
-    if (!at_rounding(moments(column.values))) return;
-    refuse(test, "column '" + column.name +
-                     "' is constant, so there is no spread to judge by; check where its values come from");
 }
 
 void require_confidence(double confidence, std::string_view test) {

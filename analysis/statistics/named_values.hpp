@@ -25,8 +25,6 @@ inline constexpr double kLargestValue = 1e150;
 // Each throws Error (kData) that names `test` and the column. `test` is what the caller is about to compute.
 void require_numbers(const NamedValues& column, std::string_view test);  // finite, at most kLargestValue
 void require_at_least(const NamedValues& column, std::size_t least, std::string_view test);
-// The values differ by more than the rounding of their own magnitude (descriptive.hpp).
-void require_variation(const NamedValues& column, std::string_view test);
 // Of a confidence interval: inside (0, 1).
 void require_confidence(double confidence, std::string_view test);
 

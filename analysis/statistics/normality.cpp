@@ -50,8 +50,11 @@ double z_of_kurtosis(double kurtosis, double n, const std::string& name) {
 Normality normality(const NamedValues& column) {
     require_numbers(column, kNormality);
     require_at_least(column, kLeast, kNormality);
-    require_variation(column, kNormality);
     const Moments m = moments(column.values);
+    if (at_rounding(m))
+        refuse(kNormality,
+               "column '" + column.name +
+                   "' is constant, so there is no spread to judge by; check where its values come from");
     const auto n = static_cast<double>(m.n);
     const double scale = std::sqrt(m.squares / n);
     Normality result;

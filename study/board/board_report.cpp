@@ -152,12 +152,9 @@ FigureSource stability_figure(const std::vector<BoardRow>& rows, const std::vect
     return figure;
 }
 
-nlohmann::ordered_json number(double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
+// JSON has no NaN: null stands for it.
 nlohmann::ordered_json json_of(const BoardValue& value) {
-    return {{"mean", number(value.mean)}, {"interval", {number(value.low), number(value.high)}}};
+    return {{"mean", value.mean}, {"interval", {value.low, value.high}}};
 }
 
 nlohmann::ordered_json contestants_json(const std::vector<Contestant>& contestants) {
@@ -193,8 +190,11 @@ std::string summary_of(const std::vector<Contestant>& contestants) {
         if (one.front == 1) first.push_back(one.name);
         if (one.stable_rows == one.rows) everywhere.push_back(one.name);
     }
-    return fmt::format("Not dominated (front 1): {}. Stable in all conditions: {}.", fmt::join(first, ", "),
-                       everywhere.empty() ? "none" : fmt::format("{}", fmt::join(everywhere, ", ")));
+    const auto listed = [](const std::vector<std::string>& names) {
+        return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+    };
+    return fmt::format("Not dominated (front 1): {}. Stable in all conditions: {}.", listed(first),
+                       listed(everywhere));
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ std::string board_line(const BoardRow& row);
 // Throws Error (data).
 std::vector<BoardRow> read_board_rows(const std::filesystem::path& file);
 
-// The whole board: every row that is not there yet, then the page.
+// The whole board: every row that is not there yet.
 struct BoardOptions {
     std::filesystem::path out;
     IfExists if_exists = IfExists::kRefuse;

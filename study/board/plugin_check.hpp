@@ -11,7 +11,7 @@
 namespace thimble {
 
 struct PluginFinding {
-    std::string rule;  // "allocates nothing after create", ...
+    std::string rule;  // "asks for no memory, clock or file after create", ...
     bool kept = false;
     std::string words;  // how it was seen; with a rule that is kept, how it was tried
 };

@@ -1,5 +1,6 @@
 #include "study/compensators/compensator_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -75,6 +76,22 @@ ReportSection comparison_section(const std::vector<CompensatorRow>& rows,
     return section;
 }
 
+// Jitter and loss only where a network has them.
+Provenance provenance_of(const CompensatorStudyOptions& options, const std::string& command) {
+    const auto any = [&options](double CompensatorNetwork::*value) {
+        return std::any_of(options.networks.begin(), options.networks.end(),
+                           [value](const CompensatorNetwork& network) { return network.*value > 0; });
+    };
+    Provenance provenance{{"command", command}, {"seed", std::to_string(options.seed)}};
+    if (any(&CompensatorNetwork::jitter_spread_s))
+        provenance.emplace_back("jitter",
+                                fmt::format("uniform, +-{:g} ms, on the force path", 1000 * kJitter_s));
+    if (any(&CompensatorNetwork::loss))
+        provenance.emplace_back("loss", fmt::format("{:g} %, on each way", 100 * kLoss));
+    provenance.emplace_back("version", kVersion);
+    return provenance;
+}
+
 }  // namespace
 
 std::vector<CompensatorNetwork> standard_networks() {
@@ -103,11 +120,7 @@ void write_compensator_report(const SystemSettings& settings, const CompensatorS
     report.sections.push_back(comparison_section(rows, findings, options, out));
     report.sections.push_back(handle_loop_section(out, options.jobs));
     report.sections.push_back(perceptual_loop_section(settings, out));
-    report.provenance = {{"command", command},
-                         {"seed", std::to_string(options.seed)},
-                         {"jitter", fmt::format("uniform, +-{:g} ms, on the force path", 1000 * kJitter_s)},
-                         {"loss", fmt::format("{:g} %, on each way", 100 * kLoss)},
-                         {"version", kVersion}};
+    report.provenance = provenance_of(options, command);
     report.provenance.insert(report.provenance.end(), made_with.begin(), made_with.end());
     say_virtual_subjects(report);
     write_report(report, out / "report.html");

@@ -119,6 +119,7 @@ std::vector<CompensatorCondition> compensator_conditions(const SystemSettings& s
 double stable_share(const SystemSettings& settings, double delay_s, double margin) {
     const HeldHandle held = held_handle(settings);
     const double whole_N_per_m = true_stiffness_hand_N_per_m(settings);
+    if (!(whole_N_per_m > 0)) return 1;  // nothing that could oscillate
     const double loop_s = delay_s + 0.5 * to_seconds(settings.master.sample_period);
     if (critical_delay_s(held, whole_N_per_m) > loop_s) return 1;
     double stable = 0, unstable = 1;

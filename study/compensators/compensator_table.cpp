@@ -1,7 +1,6 @@
 #include "study/compensators/compensator_table.hpp"
 
 #include <array>
-#include <cmath>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -121,8 +120,7 @@ nlohmann::ordered_json compensator_rows_json(const std::vector<CompensatorRow>& 
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const CompensatorRow& row : rows) {
         nlohmann::ordered_json object{{"condition", row.name}, {"network", row.network.name}};
-        for (const auto& [column, value] : cells_of(row))
-            object[column] = std::isfinite(value) ? nlohmann::ordered_json(value) : nullptr;
+        for (const auto& [column, value] : cells_of(row)) object[column] = value;  // NaN becomes null
         list.push_back(object);
     }
     return list;

@@ -45,8 +45,7 @@ TraitScores traits_of(const SystemSettings& settings, const TrialConditions& con
 
 class OperatorModel {
   public:
-    // Pair i of `training` is that of training_pair(groups, seed, i). Throws Error: run failed, if a group has too few; data, if it has
-    // a single recorded trial.
+    // Pair i of `training` is that of training_pair(groups, seed, i). Throws Error (run failed) if a group has too few, or all alike.
     OperatorModel(const OperatorParameters& population, std::vector<FitGroup> groups,
                   std::span<const std::optional<SimulatedPair>> training);
 

@@ -66,8 +66,8 @@ TraitScores trait_scores(const OperatorParameters& population, const Subject& su
     TraitScores scores{};
     for (std::size_t i = 0; i < kTraitCount; ++i) {
         const Trait& trait = kTraits[i];
-        const double spread = trait.spread(population);
-        if (spread > 0) scores[i] = portable::log(trait.of(subject) / trait.median(population)) / spread;
+        const double spread = trait.spread(population), median = trait.median(population);
+        if (spread > 0 && median > 0) scores[i] = portable::log(trait.of(subject) / median) / spread;
     }
     return scores;
 }
@@ -76,8 +76,8 @@ std::vector<std::size_t> acting_traits(const OperatorParameters& population, Mod
     std::vector<std::size_t> acting;
     for (std::size_t i = 0; i < kTraitCount; ++i) {
         const Trait& trait = kTraits[i];
-        const bool never =
-            trait.spread(population) == 0 || (i == kPush && population.behaviour.recovery != Recovery::kPush);
+        const bool never = trait.spread(population) == 0 || trait.median(population) == 0 ||
+                           (i == kPush && population.behaviour.recovery != Recovery::kPush);
         const bool here = trait.modality < 0 || trait.modality == static_cast<int>(modality);
         if (!never && here) acting.push_back(i);
     }

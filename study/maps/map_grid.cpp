@@ -12,9 +12,10 @@
 #include "common/error.hpp"
 #include "common/math/portable.hpp"
 #include "common/messages.hpp"
-#include "common/text_file.hpp"
+#include "session/settings/system_settings.hpp"
 #include "stability/critical_delay.hpp"
 #include "stability/delayed_loop.hpp"
+#include "study/planned_table.hpp"
 
 namespace thimble {
 namespace {
@@ -142,7 +143,7 @@ std::string grid_text(const MapGrid& g) {
         fmt::format("step {} s, press {} N, limit {} N, encoder {} m, friction {} N\nseed {}, trials {}\n",
                     g.step_s, g.press_N, g.force_limit_N, g.encoder_step_m, g.friction_N, g.seed, g.trials);
     if (g.config.empty()) return text;
-    return text + "session file\n" + read_text_file(g.config);
+    return text + session_text(load_system_settings(g.config));
 }
 
 }  // namespace thimble

@@ -44,6 +44,7 @@ MapGrid grid_of(const SweepArguments& a) {
                         "thimble sweep uses a session only with --operator virtual or --compensators "
                         "plugin: add one of them, or leave the session out");
         grid.config = find_session_file(a.session).string();
+        grid.seed = load_system_settings(grid.config).plan.seed;
     }
     if (person) {
         grid.hands = {{"virtual", {1, 0, 0}}};

@@ -78,10 +78,6 @@ FigureSource power_figure(const PowerResult& result, const PowerOptions& options
     return figure;
 }
 
-nlohmann::ordered_json json_or_null(const std::optional<std::size_t>& subjects) {
-    return subjects ? nlohmann::ordered_json(*subjects) : nlohmann::ordered_json();
-}
-
 nlohmann::ordered_json to_json(const PowerComparison& c, std::uint32_t trials) {
     nlohmann::ordered_json json{{"comparison", name_of(c)},
                                 {"measure", info(c.metric).name},
@@ -90,9 +86,9 @@ nlohmann::ordered_json to_json(const PowerComparison& c, std::uint32_t trials) {
                                 {"delay_s", c.delay_s},
                                 {"difference", c.difference},
                                 {"subjects_with_a_value", c.with_a_value},
-                                {"subjects", json_or_null(c.subjects.at(trials))}};
+                                {"subjects", or_null(c.subjects.at(trials))}};
     for (const auto& [count, subjects] : c.subjects)
-        json["subjects_by_trials"][std::to_string(count)] = json_or_null(subjects);
+        json["subjects_by_trials"][std::to_string(count)] = or_null(subjects);
     json["curve"] = c.curve;
     return json;
 }

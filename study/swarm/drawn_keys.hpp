@@ -20,7 +20,7 @@ using DrawnKeys = std::vector<DrawnKey>;
 // The keys of a session that virtual time knows. `plugin`: a controller that some sessions have; empty: none has.
 std::vector<KeyDeclaration> drawable_keys(const std::filesystem::path& plugin = {});
 
-// A session: short, with `count` keys that differ from their defaults at random.
+// A session: short, with up to nine keys that differ from their defaults at random, and keys of codec and controller in some.
 DrawnKeys draw_keys(const std::vector<KeyDeclaration>& keys, RandomStream& draw);
 
 // As a session file.

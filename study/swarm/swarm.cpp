@@ -19,11 +19,12 @@ struct Judged {
     SwarmOutcome outcome;
 };
 
-Judged judge(const std::vector<KeyDeclaration>& keys, std::uint64_t seed, const BreakForce& break_force) {
+Judged judge(const SwarmOptions& options, const std::vector<KeyDeclaration>& keys, std::uint64_t seed) {
     Judged judged{draw_case(keys, seed), {}};
-    judged.outcome = run_case(judged.drawn, break_force);
+    judged.drawn.plugin = options.plugin;
+    judged.outcome = run_case(judged.drawn, options.break_force);
     if (judged.outcome.violation || seed % kTwiceEvery != 0) return judged;
-    if (run_case(judged.drawn, break_force).digest != judged.outcome.digest)
+    if (run_case(judged.drawn, options.break_force).digest != judged.outcome.digest)
         judged.outcome.violation =
             Violation{Rule::kSameBits, {}, "a second run had other forces, scenes or samples"};
     return judged;
@@ -59,7 +60,7 @@ SwarmResult run_swarm(const SwarmOptions& options) {
     Progress progress;
     OrderedWorkers<Judged> workers(
         options.cases, thread_count(options.jobs),
-        [&](std::size_t i) { return judge(keys, options.seed + i, options.break_force); }, options.stop);
+        [&](std::size_t i) { return judge(options, keys, options.seed + i); }, options.stop);
     while (result.cases < options.cases && result.failures.size() < options.most_failures) {
         const std::optional<Judged> judged = workers.take();
         if (!judged) return result;
@@ -76,7 +77,7 @@ std::string failure_text(const SwarmFailure& failure) {
     const Violation& v = failure.violation;
     std::string text = fmt::format("seed {}: {} at {:.4f} s: {}\n", failure.seed, name_of(v.rule),
                                    to_seconds(v.at.time_since_epoch()), v.text);
-    text += fmt::format("  repeat it: thimble swarm --seed {}\n", failure.seed);
+    text += fmt::format("  repeat it: {}\n", repeat_command(failure.smallest));
     if (!failure.file.empty())
         text += fmt::format("  smallest session that fails: {}\n", failure.file.string());
     return text;

@@ -64,8 +64,13 @@ SwarmCase draw_case(const std::vector<KeyDeclaration>& keys, std::uint64_t seed)
     return one;
 }
 
+std::string repeat_command(const SwarmCase& one) {
+    const std::string plugin = one.plugin.empty() ? "" : " --plugin " + one.plugin.string();
+    return fmt::format("thimble swarm --seed {}{}", one.seed, plugin);
+}
+
 std::string case_text(const SwarmCase& one) {
-    std::string text = fmt::format("# thimble swarm --seed {}: trials {}{}\n", one.seed, one.trials,
+    std::string text = fmt::format("# {}: trials {}{}\n", repeat_command(one), one.trials,
                                    one.sealed ? ", under a lab key" : "");
     for (const SwarmFault& fault : one.faults) text += fmt::format("# fault: {}\n", fault_text(fault));
     return text + keys_text(one.keys);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -62,8 +63,12 @@ struct SwarmCase {
     DrawnKeys keys;
     std::vector<SwarmFault> faults;
     std::uint32_t trials = 1;
-    bool sealed = false;  // under a lab key
+    bool sealed = false;             // under a lab key
+    std::filesystem::path plugin{};  // that its keys were drawn with; empty: none
 };
+
+// "thimble swarm --seed 17"
+std::string repeat_command(const SwarmCase& one);
 
 SwarmCase draw_case(const std::vector<KeyDeclaration>& keys, std::uint64_t seed);
 

@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
-#include "common/error.hpp"
 #include "common/process/progress.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "study/planned_table.hpp"
+#include "study/power/power.hpp"
 #include "study/study.hpp"
 #include "study/worker_pool.hpp"
 
@@ -46,13 +46,7 @@ std::optional<std::vector<Claim>> judge_study(const SystemSettings& settings, co
 }  // namespace
 
 void claim_folder(const SweepOptions& options) {
-    const auto report = options.out / "report.html";
-    if (options.if_exists != IfExists::kReplace && std::filesystem::exists(report)) {
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format("{}: exists already: replace it with --overwrite, or name another folder with --out",
-                        report.string()));
-    }
+    if (options.if_exists != IfExists::kReplace) refuse_other_report(options.out);
     make_folder(options.out);
     for (const char* name : {"report.html", "claims.json", "vary.json"}) {
         std::filesystem::remove(options.out / name);

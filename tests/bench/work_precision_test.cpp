@@ -1,4 +1,4 @@
-// thimble-bench work-precision, small: every solver has its rows, with errors that no clock can change.
+// thimble-bench work-precision, small: every solver has its rows, with errors that no clock can change. And mistakes of codecs.
 #include <filesystem>
 #include <map>
 #include <set>
@@ -36,12 +36,16 @@ std::vector<Row> read_rows(const std::filesystem::path& file) {
     return rows;
 }
 
+ProgramResult run_bench(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
+    return run_program((std::filesystem::path(THIMBLE_BIN_DIR) / "thimble-bench").string(), arguments, folder,
+                       "build thimble-bench");
+}
+
 class WorkPrecision : public testing::Test {
   protected:
     ProgramResult bench(std::vector<std::string> arguments) const {
         arguments.insert(arguments.begin(), {"work-precision", "--quick"});
-        return run_program((std::filesystem::path(THIMBLE_BIN_DIR) / "thimble-bench").string(), arguments,
-                           folder_.path(), "build thimble-bench");
+        return run_bench(arguments, folder_.path());
     }
 
     TemporaryDirectory folder_;
@@ -83,6 +87,12 @@ TEST_F(WorkPrecision, SaysHowToUseIt) {
     const ProgramResult blocked = bench({"--problem", "press", "--out", "file/folder"});
     EXPECT_NE(blocked.exit_code, 0);
     EXPECT_THAT(blocked.output, HasSubstr("file: is a file"));
+}
+
+TEST(CodecStudy, RefusesAMistypedModalityAndNoTrials) {
+    const TemporaryDirectory folder;
+    for (const char* words : {"--modality=CFF", "--trials=0", "--subjects=0"})
+        EXPECT_EQ(run_bench({"codecs", words}, folder.path()).exit_code, 2) << words;
 }
 
 }  // namespace

@@ -60,6 +60,10 @@ TEST(BoardProgram, APluginIsARowAndABadOneCostsItsOwnRowOnly) {
     EXPECT_EQ(rows[1].trials, 5U);
     EXPECT_GT(rows[1].values[kPenetrationMax].mean, 0);
     EXPECT_THAT(rows[2].status, HasSubstr("99"));
+    run_thimble(words_in("board --quick --only bad_abi,deadband,50ms --plugin " THIMBLE_PLUGINS
+                         "/bad_abi.so --out " +
+                         (folder / "bad").string()));
+    EXPECT_THAT(read_text(folder / "bad/board.html"), HasSubstr("Not dominated (front 1): none."));
 }
 
 TEST(BoardProgram, ChecksAPlugin) {

@@ -1,6 +1,7 @@
 // `thimble doctor` as users start it. Its findings depend on the machine. The test checks their form, and the facts that it has arranged.
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -56,6 +57,21 @@ TEST(DoctorProgram, ATakenPortIsNamedWithWhoHoldsIt) {
     EXPECT_EQ(json["can_run"], false);
     EXPECT_THAT(finding_of(json, "ports")["says"].get<std::string>(), HasSubstr(std::to_string(getpid())));
     EXPECT_THAT(finding_of(json, "ports")["remedy"].get<std::string>(), HasSubstr("--base-port"));
+}
+
+TEST(DoctorProgram, AsksForThePortsOfTheConditionsThatRunTogether) {
+    const Folder folder;
+    const PortBlock ports;
+    const std::string two =
+        std::string(kModest) + "[session]\ndelays_s = [0.0, 0.05]\nparallel_conditions = 2\n";
+    const auto expect_blocks = [&](int blocks, const std::string& table) {
+        const Outcome outcome = run_doctor(folder.write("two.toml", two + table), ports.base());
+        const int last = ports.base() + blocks * static_cast<int>(Port::kCount) - 1;
+        EXPECT_THAT(outcome.words, HasSubstr(fmt::format("UDP ports {} to {} ", ports.base(), last)));
+    };
+    expect_blocks(2, "");
+    expect_blocks(1, "[protocol]\n");
+    expect_blocks(1, "[handle]\ndevice = 'pointer'\n");
 }
 
 // `thimble replay` as users start it: files in, files out, exit codes.
@@ -146,6 +162,9 @@ TEST(CompensatorsProgram, GoesOnWithResumeAndTakesListsWithCommas) {
     ASSERT_EQ(compare("whole", {}).code, 0);
     const std::string table = read_text(folder / "whole/compensator_trials.csv");
     EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 2 * 2);
+    // No network of these delays has jitter.
+    EXPECT_FALSE(
+        nlohmann::json::parse(read_text(folder / "whole/summary.json"))["provenance"].contains("jitter"));
     std::filesystem::create_directory(folder / "half");
     std::filesystem::copy(folder / "whole/compensators.txt", folder / "half/compensators.txt");
     folder.write("half/compensator_trials.csv", table.substr(0, table.size() * 2 / 3));

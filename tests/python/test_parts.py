@@ -36,7 +36,7 @@ def test_packets_pass_one_by_one():
 def test_a_profile_has_two_ways_and_a_table_may_be_a_dictionary():
     up, down = (thimble.LinkModel(profile="leo", way=way).fates(TIMES) for way in ("up", "down"))
     assert not numpy.array_equal(up, down, equal_nan=True)
-    bursts = thimble.LinkModel(loss={"model": "gilbert", "share": 0.2, "mean_burst": 5}, delay_s=numpy.float32(0.5))
+    bursts = thimble.LinkModel(loss={"model": "gilbert", "share": numpy.array(0.2), "mean_burst": 5}, delay_s=numpy.float32(0.5))
     assert numpy.isnan(bursts.fates(TIMES)).any()
 
 

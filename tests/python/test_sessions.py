@@ -41,6 +41,9 @@ def test_a_study_writes_the_programs_files(told, tmp_path):
         assert (tmp_path / "out" / name).read_bytes() == (told / name).read_bytes(), name
     with pytest.raises(ValueError, match="already exists"):
         thimble.study(subjects=1, seed=7, out=tmp_path / "out")
+    (tmp_path / "dataset_description.json").write_text('{"SubjectKind": "human"}')
+    with pytest.raises(ValueError, match="a dataset of human participants"):
+        thimble.study(subjects=1, seed=7, out=tmp_path)
 
 
 def test_a_trial_alone_is_the_trial_of_the_study(told):
@@ -82,9 +85,17 @@ def test_what_a_session_cannot_do_is_said():
                         (lambda: session.start(delay_s=-1), "delay_s"), (lambda: thimble.Session("no-such"), "paper-experiment-1"),
                         (lambda: thimble.Session({"master": {"position_scal": 1}}), "position_scale"),
                         (lambda: thimble.Session(changes={"handle.friction_N": -1}), "friction_N"),
-                        (lambda: thimble.study(order="sorted"), "williams")):
+                        (lambda: thimble.study(order="sorted"), "williams"), (lambda: thimble.study(subjects=0), "subjects 0: has to be 1")):
         with pytest.raises(ValueError, match=words):
             call()
+
+
+def test_a_dictionary_may_hold_arrays_and_a_seed_keeps_its_digits():
+    session = thimble.Session({"session": {"delays_s": numpy.array([0, 0.01])}}, hand="python")
+    session.start(seed=2**64 - 1)
+    session.step(0.1)
+    session.stop()
+    assert session.trial()["delay_s"] == 0.01 and session.trial()["seed"] == 2**64 - 1
 
 
 def test_ctrl_c_ends_long_work():

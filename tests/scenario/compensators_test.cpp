@@ -207,6 +207,8 @@ TEST(Compensators, ThePersonsOwnLoopHasALimitNearTheory) {
 TEST(Compensators, TheStableShareFallsWithDelay) {
     double before = 1;
     EXPECT_EQ(stable_share(paper(), 0), 1);
+    const auto soft = ConfigFile::parse("[fixture]\nstiffness_N_per_m = 0\n", "test");
+    EXPECT_EQ(stable_share(read_system_settings(soft), 0.2), 1);
     for (const double delay_s : {0.01, 0.025, 0.05, 0.1, 0.2}) {
         const double share = stable_share(paper(), delay_s);
         EXPECT_LT(share, before) << delay_s;

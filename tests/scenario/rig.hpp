@@ -135,10 +135,9 @@ class BreakableHandle final : public HapticDevice {
     }
     void enable_force(SessionTime now, bool enabled) override { inner_->enable_force(now, enabled); }
     std::string_view fault() const override { return words; }
-    bool take_stop(SessionTime /*now*/) override { return pressed; }
+    bool take_stop(SessionTime /*now*/) override { return false; }
     SessionTime next_look() const override { return inner_->next_look(); }
     std::string words;
-    bool pressed = false;
     double commanded_N = 0;
     double largest_N = 0;  // of all commands since it was set
 
@@ -261,13 +260,6 @@ class Rig {
     // The largest of all commands to the handle since the last call.
     double take_largest_at_handle_N() { return std::exchange(breakable_.largest_N, 0); }
     double force_at_finger_N() { return actuator_.output(now()).force_N; }
-    // Sends to the stop bus of a program of the rig.
-    Channel& stop_channel(Role role) {
-        return *virtual_.network().of(Role::kSession).outlet(stop_port(role));
-    }
-    // From now on a stop button at the handle is held down.
-    void press_handle_button(bool down) { breakable_.pressed = down; }
-
     // From now on the simulated handle has failed, as a real one may, with these words.
     void break_handle(const std::string& words) { breakable_.words = words; }
     // The master's program dies and starts anew, as another instance.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <thread>
 #include <utility>
@@ -12,8 +13,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "common/csv/csv_file.hpp"
 #include "common/error.hpp"
 #include "session/virtual/virtual_session.hpp"
+#include "study/ordered_workers.hpp"
 #include "study/study.hpp"
 #include "study/sweeps/seed_sweep.hpp"
 #include "study/sweeps/variation.hpp"
@@ -167,6 +170,21 @@ TEST(NoLag, OnlyTheLagDiffers) {
     EXPECT_LT(with.penetration_max_m, without.penetration_max_m + 0.002);
 }
 
+TEST(RunTrials, NoJobsAreOnePerCore) {
+    const auto threads = [](unsigned jobs) {
+        using Threads = std::filesystem::directory_iterator;
+        std::atomic<bool> stop{false};
+        std::ptrdiff_t there = 0;
+        run_trials(paper(), all_trials({experiment_3(paper(), 20, 1)}), jobs, &stop, [&](const TrialRecord&) {
+            if (stop) return;
+            there = std::distance(Threads("/proc/self/task"), Threads());
+            stop = true;  // not before: a thread that sees it ends
+        });
+        return there;
+    };
+    EXPECT_EQ(threads(0), threads(thread_count(0)));
+}
+
 // A trial per modality; files into `folder`.
 class StudyFiles : public testing::Test {
   protected:
@@ -225,7 +243,11 @@ TEST_F(StudyFiles, CompensatorsAreComparedByTheSameStatistics) {
     use({experiment_3(paper(), 3, 1)});
     options.control = false;
     options.compensators = {Compensator::kWave, Compensator::kLeastConservative};
+    options.trajectories = true;
     ASSERT_TRUE(run_study(paper(), options).complete);
+    // The same trial is in three tables, and has a file of each.
+    using Files = std::filesystem::directory_iterator;
+    EXPECT_EQ(std::distance(Files(folder / "trajectories"), Files()), 12 + 3 + 3);
     const auto plain = read_trial_table(folder / "trials.csv"),
                waves = read_trial_table(folder / "hf_wave.csv");
     ASSERT_EQ(plain.size(), 12U);
@@ -245,6 +267,26 @@ TEST_F(StudyFiles, CompensatorsAreComparedByTheSameStatistics) {
     options.if_exists = IfExists::kContinue;
     options.compensators = {Compensator::kWave};
     EXPECT_EQ(run_study(paper(), options).resumed, 15U);
+}
+
+// Nothing of the earlier study may pass for the new one's, also if that is interrupted before its first trial.
+TEST_F(StudyFiles, AReplacedStudyLeavesNothingBehind) {
+    use({experiment_3(paper(), 1, 1)});
+    options.protocols[0].trials_per_modality = 1;
+    options.trajectories = true;
+    run_study(paper(), options);
+    const std::atomic<bool> stop = true;
+    options.stop = &stop;
+    options.if_exists = IfExists::kReplace;
+    {
+        const CsvFile written(folder / "trials.csv", IfExists::kContinue);
+        EXPECT_THROW(run_study(paper(), options), Error);
+        EXPECT_TRUE(std::filesystem::exists(folder / "report.html")) << "of a study that still runs";
+    }
+    EXPECT_FALSE(run_study(paper(), options).complete);
+    for (const char* file : {"report.html", "summary.json", "control.csv"})
+        EXPECT_FALSE(std::filesystem::exists(folder / file)) << file;
+    EXPECT_TRUE(std::filesystem::is_empty(folder / "trajectories"));
 }
 
 // One subject is no sample: every comparison says how many are needed, and the study is whole.

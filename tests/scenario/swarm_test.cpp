@@ -173,11 +173,15 @@ TEST(Swarm, WritesTheSmallestSessionThatFails) {
     options.out = folder / "swarm";
     options.cases = 30;
     options.most_failures = 1;
+    options.plugin = THIMBLE_PLUGINS "/mine.so";
     options.break_force = [](const SystemSettings&, double force_N) { return force_N + 1; };
     const SwarmResult result = run_swarm(options);
     ASSERT_FALSE(result.failures.empty());
     const SwarmFailure& first = result.failures.front();
-    EXPECT_THAT(failure_text(first), HasSubstr(fmt::format("thimble swarm --seed {}", first.seed)));
+    const std::string again =
+        fmt::format("thimble swarm --seed {} --plugin {}", first.seed, options.plugin.string());
+    EXPECT_THAT(failure_text(first), HasSubstr(again));
+    EXPECT_THAT(read_text(first.file), HasSubstr(again));
     EXPECT_NO_THROW(load_system_settings(first.file));
 }
 

@@ -121,6 +121,7 @@ TEST_F(EchoResponderTest, PlacesAreFewAndComeBack) {
     EXPECT_TRUE(ask(ProbeKind::kProbe, kNonce + 3));
     EXPECT_TRUE(ask(ProbeKind::kHello, 99));
     EXPECT_TRUE(ask(ProbeKind::kProbe, kNonce + 3));
+    EXPECT_EQ(responder.counters().begun, 9U);
 }
 
 TEST_F(EchoResponderTest, HellosAndAnswersAreLimited) {

@@ -10,6 +10,8 @@
 
 #include "common/error.hpp"
 #include "study/maps/cells.hpp"
+#include "study/maps/map_options.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble {
 namespace {
@@ -65,6 +67,23 @@ TEST(MapGrid, WhatNoCellCouldBeMadeOfIsRefused) {
     refused([](MapGrid& g) { g.stiffness_N_per_m = {0}; });
     refused([](MapGrid& g) { g.hands[0].hand.mass_kg = 0; });
     EXPECT_THROW(named_hand("F"), Error);
+}
+
+// Its rows would be others, so --resume refuses it.
+TEST(MapGrid, ASessionGivesItsSeedAndTheFilesThatItNames) {
+    const TemporaryDirectory directory;
+    SweepArguments arguments;
+    arguments.compensators = {"plugin"};
+    arguments.session = (directory / "session.toml").string();
+    write_text(arguments.session, "[session]\nseed = 7\n[slave_sim]\nscene = 'scene.toml'\n");
+    write_text(directory / "scene.toml", "[tissue]\n[fixture]\n");
+    const MapGrid grid = grid_of(arguments);
+    EXPECT_EQ(grid.seed, 7U);
+    const std::string before = grid_text(grid);
+    write_text(directory / "scene.toml", "[tissue]\ndamping_Ns_per_m = 4\n[fixture]\n");
+    EXPECT_NE(grid_text(grid), before);
+    arguments.seed = 8;
+    EXPECT_EQ(grid_of(arguments).seed, 8U);
 }
 
 TEST(MapCells, RowsDoNotDependOnTheBlocksTheyAreMadeIn) {

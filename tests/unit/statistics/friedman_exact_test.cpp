@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/statistics/friedman.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {
@@ -103,6 +104,17 @@ TEST(FriedmanExact, SaysWhenItGivesUp) {
     std::vector<std::int64_t> wide;
     for (int i = 1; i <= 24; ++i) wide.push_back(2 * i);
     EXPECT_FALSE(friedman_exact_p(Rows(3, wide), 100, kFriedmanExactSteps).has_value());
+}
+
+// 10! arrangements of one row are fewer than the steps, and take 0.4 GB.
+TEST(FriedmanExact, GivesUpBeforeTheArrangementsTakeMemory) {
+    std::vector<std::int64_t> ten;
+    for (int i = 1; i <= 10; ++i) ten.push_back(2 * i);
+    const auto before = test::allocation_count();
+    EXPECT_FALSE(friedman_exact_p(Rows(2, ten), 100, kFriedmanExactSteps).has_value());
+    EXPECT_LT(test::allocation_count() - before, 100U);
+    EXPECT_TRUE(friedman_exact_p(Rows(1, {2, 5, 5, 8, 10}), 0, 60).has_value());  // 5! / 2!
+    EXPECT_FALSE(friedman_exact_p(Rows(1, {2, 5, 5, 8, 10}), 0, 59).has_value());
 }
 
 }  // namespace
