@@ -84,17 +84,6 @@ constexpr std::array<Range, 9> kRightToLeft{{{0x0590, 0x08FF},
                                              {0x10800, 0x10FFF},
                                              {0x1E800, 0x1EFFF}}};
 
-// The character at the beginning of valid UTF-8, taken off it.
-char32_t take_character(std::string_view& text) {
-    const auto lead = static_cast<unsigned char>(text[0]);
-    const std::size_t length = lead < 0x80 ? 1 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
-    char32_t character = length == 1 ? lead : lead & (0x7FU >> length);
-    for (std::size_t i = 1; i < std::min(length, text.size()); ++i)
-        character = (character << 6U) | (static_cast<unsigned char>(text[i]) & 0x3FU);
-    text.remove_prefix(std::min(length, text.size()));
-    return character;
-}
-
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 bool has_word(std::string_view text, std::string_view word) {
@@ -112,6 +101,16 @@ std::string Instructions::text() const {
     std::string all;
     for (const PageWords& page : pages) all += page.title.value_or("") + "\n" + page.body.value_or("") + "\n";
     return all;
+}
+
+char32_t take_character(std::string_view& text) {
+    const auto lead = static_cast<unsigned char>(text[0]);
+    const std::size_t length = lead < 0x80 ? 1 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
+    char32_t character = length == 1 ? lead : lead & (0x7FU >> length);
+    for (std::size_t i = 1; i < std::min(length, text.size()); ++i)
+        character = (character << 6U) | (static_cast<unsigned char>(text[i]) & 0x3FU);
+    text.remove_prefix(std::min(length, text.size()));
+    return character;
 }
 
 char32_t right_to_left(std::string_view text) {

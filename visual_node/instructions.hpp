@@ -34,6 +34,8 @@ std::optional<std::string> read_page_text(const ConfigTable& table, const std::s
 void refuse_right_to_left(const ConfigTable& table, const std::string& key, std::string_view text);
 // The first character (Unicode) of a script that is written from right to left, or that turns the direction; 0: none.
 char32_t right_to_left(std::string_view text);
+// The character at the beginning of UTF-8, taken off it. `text` is not empty.
+char32_t take_character(std::string_view& text);
 
 // The accepted text with the page's numbers in it.
 std::string fill_in(std::string_view words, const Page& page);

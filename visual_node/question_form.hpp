@@ -50,7 +50,8 @@ class QuestionForm {
         if (question_ == nullptr || question_->kind == QuestionKind::kScale) return;
         const Question& q = *question_;
         if (q.kind == QuestionKind::kNumber) {
-            value_ = std::min(10 * value_.value_or(0) + digit, q.to);
+            // After a number below zero, which an arrow key has chosen, digits begin anew.
+            value_ = std::min(10 * std::max(0.0, value_.value_or(0)) + digit, q.to);
         } else if (digit >= q.from && digit <= q.to) {
             value_ = digit;
         }

@@ -122,6 +122,8 @@ TEST_F(SessionOfAUser, WhatAStudyCannotObeyIsRefusedByName) {
         expect_refused("study", kHome, many, AllOf(HasSubstr(many[0]), HasSubstr("paper-experiment")));
     expect_refused("run", "[session]\ndelays_s = [0.0, 0.02]\n", {"--attach"},
                    AllOf(HasSubstr("delays_s"), HasSubstr("thimble-netem")));
+    for (const char* person : {"--age=31", "--sex=F", "--handedness=left", "--haptic-experience=none"})
+        expect_refused("run", "", {person}, HasSubstr("--haptic-experience need"));
     expect_refused("compensators", "[protocol]\nexperiments = [1]\n", {}, HasSubstr("experiments"));
     expect_refused("sweep", "[protocol]\n", {"--operator", "virtual"}, HasSubstr("[protocol]"));
     const Outcome unknown = run_thimble({"study", "paper-experiment-4"});

@@ -10,6 +10,7 @@
 #include "tests/views/fake_session.hpp"
 #include "tests/views/pixels.hpp"
 #include "tests/window/virtual_screen.hpp"
+#include "visual_node/window/gui_layer.hpp"
 
 namespace thimble {
 namespace {
@@ -28,7 +29,7 @@ class PlayerWindow {
             panel_.tick(now);
             window_.begin_frame(kBlack);
             gui_.begin();
-            panel_.draw(now, {window_, gui_, nullptr});
+            panel_.draw(now, {window_, nullptr});
             gui_.end();
             image_ = window_.read_pixels();
             window_.end_frame();
@@ -88,7 +89,7 @@ TEST_F(PlayerPanelTest, WithSocketsOfItsOwnItAsksARealSession) {
         overlay->tick(now);
         window.begin_frame(kBlack);
         gui.begin();
-        overlay->draw(now, {window, gui, nullptr});
+        overlay->draw(now, {window, nullptr});
         gui.end();
         window.end_frame();
     };

@@ -8,6 +8,7 @@
 
 #include "common/runtime/wall_clock.hpp"
 #include "tests/window/virtual_screen.hpp"
+#include "visual_node/window/image.hpp"
 
 // clang-format off
 #define GLFW_INCLUDE_NONE
@@ -289,9 +290,11 @@ TEST_F(WindowLoopTest, ClosedWindowEndsTheLoopAndNotTheNode) {
     CountingOverlay overlay;
     Shown shown("Thimble", nullptr, &overlay);
     ASSERT_TRUE(shown.loop.turn());
+    shown.loop.set_screenshot(screen_->folder() / "last.png");
     glfwSetWindowShouldClose(shown.window.handle(), GLFW_TRUE);  // what a click on the frame's cross does
     EXPECT_EQ(shown.loop.run([] { return false; }), WindowEnd::kClosed);
     EXPECT_TRUE(overlay.told_of_end);
+    EXPECT_EQ(read_png(screen_->folder() / "last.png").width, shown.window.width());
     shown.display.draw({}, Scene{});
     EXPECT_EQ(shown.display.unseen(), 1U);
 }

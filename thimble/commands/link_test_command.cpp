@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -33,7 +34,8 @@ struct LinkTestArguments {
 std::vector<Port> chosen_ports(const LinkTestArguments& arguments, std::vector<Port> all) {
     if (arguments.offsets.empty()) return all;
     std::vector<Port> ports;
-    for (const unsigned offset : arguments.offsets) ports.push_back(static_cast<Port>(offset));
+    const std::set<unsigned> once(arguments.offsets.begin(), arguments.offsets.end());
+    for (const unsigned offset : once) ports.push_back(static_cast<Port>(offset));
     return ports;
 }
 

@@ -32,6 +32,15 @@ void put(const std::string& line) {
     if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size()) throw ResultsLost();
 }
 
+// Not between the messages, where they go to standard output.
+void say(const LogArguments& a, const std::string& line) {
+    if (a.json == "-") {
+        spdlog::info(line);
+    } else {
+        fmt::print("{}\n", line);
+    }
+}
+
 int show_info(const LogArguments& a) {
     for (const auto& file : open_logs(a.files)) fmt::print("{}", describe_log(*file));
     return 0;
@@ -141,7 +150,7 @@ void export_json(const LogArguments& a, const LoggedFiles& files) {
 
 void share_ros2(const LogArguments& a, const LoggedFiles& files) {
     const Ros2Written written = export_ros2(files, a.ros2, a.topic);
-    fmt::print("{}: {} topics\n", a.ros2, written.topics);
+    say(a, fmt::format("{}: {} topics", a.ros2, written.topics));
     if (written.missing.empty()) return;
     std::string words;
     for (const std::string& part : written.missing) words += "\n  " + part;
@@ -161,8 +170,8 @@ int share(const LogArguments& a) {
         throw Error(ExitCode::kUsage,
                     "name the output: --csv FOLDER, --hdf5 FILE, --json FILE or --ros2 FILE");
     const LoggedFiles files = open_logs(a.files);
-    if (!a.csv.empty()) fmt::print("{}: {} tables\n", a.csv, export_csv(files, a.csv, a.topic));
-    if (!a.hdf5.empty()) fmt::print("{}: {} tables\n", a.hdf5, export_hdf5(files, a.hdf5, a.topic));
+    if (!a.csv.empty()) say(a, fmt::format("{}: {} tables", a.csv, export_csv(files, a.csv, a.topic)));
+    if (!a.hdf5.empty()) say(a, fmt::format("{}: {} tables", a.hdf5, export_hdf5(files, a.hdf5, a.topic)));
     if (!a.json.empty()) export_json(a, files);
     if (!a.ros2.empty()) share_ros2(a, files);
     return 0;

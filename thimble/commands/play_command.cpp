@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -17,6 +17,7 @@
 #include "common/process/progress.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
+#include "common/text_file.hpp"
 #include "session/play/order_handlers.hpp"
 #include "session/play/play_session.hpp"
 #include "session/play/replay_process.hpp"
@@ -39,13 +40,6 @@ struct PlayArguments {
     int base_port = 0;
     bool browser = false;
 };
-
-std::vector<std::string> words_of(const std::string& command) {
-    std::istringstream stream(command);
-    std::vector<std::string> words;
-    for (std::string word; stream >> word;) words.push_back(word);
-    return words;
-}
 
 // Beside the programs where they are installed, or in the tree that built them.
 std::filesystem::path find_page() {
@@ -105,8 +99,8 @@ void choose_first_trial(PlayArguments& a, const SessionPlan& plan) {
                                               a.play.delay_s, PlayHandler::kLongestDelay_s));
 }
 
-int run_play(PlayArguments a) {
-    const SystemSettings settings = load_system_settings(a.config);
+// Throws Error (usage): the session is not one to play. A replay shows what was recorded.
+void require_playable(const SystemSettings& settings) {
     if (settings.launch.anywhere_else()) {
         throw Error(ExitCode::kUsage,
                     "thimble play starts every program on this machine, but the session file's [launch] "
@@ -117,8 +111,16 @@ int run_play(PlayArguments a) {
         throw Error(ExitCode::kUsage,
                     "thimble play has a simulated needle, but [slave_sim] device is \"ros2\": remove that "
                     "key, or use thimble run");
+}
+
+int run_play(PlayArguments a) {
+    const SystemSettings settings = load_system_settings(a.config);
+    const bool replays = !a.replay.folder.empty();
+    if (!replays) {
+        require_playable(settings);
+        choose_first_trial(a, settings.plan);
+    }
     a.play.network = a.replay.network = network_of(a.config, a.base_port);
-    choose_first_trial(a, settings.plan);
     a.play.stop = a.replay.stop = a.render.stop = &stop_requested();
     a.replay.contact_hold_s = to_seconds(settings.slave.contact_hold);
     if (a.seconds > 0) a.play.longest = a.replay.longest = from_seconds(a.seconds);
@@ -127,14 +129,14 @@ int run_play(PlayArguments a) {
         return render_recorded(a, settings);
     }
     if (a.visual_command.empty()) check_window(program_folder());
-    a.play.starter = a.replay.starter =
-        std::make_shared<PlayStarter>(program_folder(), a.config, words_of(a.visual_command),
-                                      settings.handle.kind != HandleKind::kHid, a.view);
-    const bool replays = !a.replay.folder.empty();
+    const auto visual_command = words_of(a.visual_command);
+    a.play.starter = a.replay.starter = std::make_shared<PlayStarter>(
+        program_folder(), a.config, std::vector<std::string>(visual_command.begin(), visual_command.end()),
+        settings.handle.kind != HandleKind::kHid, a.view);
     install_stop_signals(replays ? QuitSignal::kEnds : QuitSignal::kStopsEverything);
     warn_if_unprotected(a.play.network);
-    const std::string warning = energy_warning(settings, {from_seconds(a.play.delay_s)});
-    if (!replays && !warning.empty()) spdlog::warn(warning);
+    const std::string warning = replays ? "" : energy_warning(settings, {from_seconds(a.play.delay_s)});
+    if (!warning.empty()) spdlog::warn(warning);
     if (replays) {
         play_recorded(a.replay);
     } else {
@@ -182,13 +184,14 @@ Subcommand add_play(CLI::App& app) {
     sub->add_option("--delay-s", arguments->delay_s,
                     "one-way delay of the force in the first trial, s; default: the session's first (0.05)")
         ->check(CLI::Range(0.0, PlayHandler::kLongestDelay_s));
-    sub->add_option("-o,--out", arguments->play.record,
-                    "folder for the results, as of thimble run; default: keep nothing")
-        ->type_name("FOLDER");
+    CLI::Option* out = sub->add_option("-o,--out", arguments->play.record,
+                                       "folder for the results, as of thimble run; default: keep nothing")
+                           ->type_name("FOLDER");
     CLI::Option* replay =
         sub->add_option("--replay", arguments->replay.folder,
                         "show a recorded trial from this folder (trials.csv, trajectories/)")
-            ->type_name("FOLDER");
+            ->type_name("FOLDER")
+            ->excludes(out);
     sub->add_option("--trial", arguments->replay.trial, "which trial: its line in trials.csv, from 1")
         ->default_val(arguments->replay.trial)
         ->check(CLI::Range(1, 1000000))
@@ -208,7 +211,7 @@ Subcommand add_play(CLI::App& app) {
     add_base_port_option(*sub, arguments->base_port);
     sub->add_option("--seconds", arguments->seconds,
                     "end after this time, s; default: run until the window is closed")
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::Range(0.001, 1e6));
     sub->add_option("--visual-command", arguments->visual_command,
                     "program that draws the window; default: thimble-visual")
         ->type_name("COMMAND");

@@ -64,10 +64,11 @@ void refuse_participant_options(const ParticipantRun& run, const SystemSettings&
                     "[session] subject is \"human\", but the session file has no table [protocol], which "
                     "lists a person's trials: add one, as in deploy/sessions/human.toml");
     }
-    if (run.participant.empty() && !run.resume && !run.person.consent && !run.commands) return;
+    if (run.participant.empty() && !run.resume && !run.commands && run.person == PersonDescription{}) return;
     throw Error(ExitCode::kUsage,
-                "--participant, --resume, --consent and --commands need a session file with a table "
-                "[protocol], and this one has none: add one, or leave these options out");
+                "--participant, --resume, --consent, --commands, --age, --sex, --handedness and "
+                "--haptic-experience need a session file with a table [protocol], and this one has none: add "
+                "one, or leave these options out");
 }
 
 void say_participant(const ParticipantSessionResult& result, const std::filesystem::path& out, bool json) {

@@ -30,7 +30,7 @@ int run(SwarmArguments& a) {
         for (const SwarmFailure& failure : result.failures) fmt::print("{}", failure_text(failure));
         fmt::print("{} cases from seed {} on, {:.0f} s of simulated sessions: {} broke a safety rule{}\n",
                    result.cases, a.options.seed, result.simulated_s, result.failures.size(),
-                   result.complete ? "" : " (interrupted: not all cases ran)");
+                   result.complete ? "" : " (not all cases ran)");
     }
     if (!a.json && !result.failures.empty()) fmt::print("results: {}\n", a.options.out.string());
     const bool good = result.complete && result.failures.empty();

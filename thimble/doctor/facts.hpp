@@ -69,7 +69,7 @@ struct TakenPort {
     std::string program;  // its name
 };
 struct PortFacts {
-    std::uint16_t first = 27000, count = 0, block = 1;  // block: of one condition
+    std::uint16_t first = 27000, count = 0;
     std::vector<TakenPort> taken;
     bool loopback_passes = true;  // a datagram to 127.0.0.1 came back
 };

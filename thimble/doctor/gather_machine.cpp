@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <iterator>
-#include <sstream>
+#include <string>
+#include <string_view>
 #include <sys/utsname.h>
 #include <thread>
 #include <unistd.h>
@@ -26,10 +26,13 @@ namespace fs = std::filesystem;
 // Link types of /sys/class/net/*/type (ARPHRD_...).
 constexpr const char* kCanLink = "280";
 
-// Without the line's end.
-std::string first_line(const fs::path& file) {
-    std::string text = read_text_file(file);
-    return text.substr(0, text.find('\n'));
+// Empty where the system fails to read: an unreadable fact keeps its default.
+std::string readable_text(const fs::path& file) {
+    try {
+        return read_text_file(file);
+    } catch (const Error&) {
+        return {};
+    }
 }
 
 std::vector<fs::path> entries_of(const fs::path& folder) {
@@ -38,11 +41,6 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
     for (const auto& entry : fs::directory_iterator(folder, error)) entries.push_back(entry.path());
     std::sort(entries.begin(), entries.end());
     return entries;
-}
-
-std::vector<std::string> words_of_line(const std::string& line) {
-    std::istringstream words(line);
-    return {std::istream_iterator<std::string>(words), {}};
 }
 
 std::string value_of_key(const std::string& text, const std::string& key) {
@@ -60,11 +58,11 @@ std::uint16_t hex_number(const std::string& text) {
 bool may_open(const fs::path& node) { return access(node.c_str(), R_OK | W_OK) == 0; }
 
 std::optional<DeviceFacts::Device> hid_device(const fs::path& root, const fs::path& entry) {
-    const std::string event = read_text_file(entry / "device/uevent");
+    const std::string event = readable_text(entry / "device/uevent");
     unsigned bus = 0, vendor = 0, product = 0;
     if (std::sscanf(value_of_key(event, "HID_ID").c_str(), "%x:%x:%x", &bus, &vendor, &product) != 3)
         return std::nullopt;
-    const std::string bytes = read_text_file(entry / "device/report_descriptor");
+    const std::string bytes = readable_text(entry / "device/report_descriptor");
     const auto layout =
         parse_report_descriptor({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
     if (!layout) return std::nullopt;
@@ -121,7 +119,8 @@ ProcessorFacts gather_processors(const fs::path& root) {
     }
     const fs::path clock = root / "sys/devices/system/clocksource/clocksource0";
     facts.clock_source = first_line(clock / "current_clocksource");
-    facts.clock_sources = words_of_line(first_line(clock / "available_clocksource"));
+    const std::string sources = first_line(clock / "available_clocksource");
+    for (const std::string_view source : words_of(sources)) facts.clock_sources.emplace_back(source);
     return facts;
 }
 
@@ -155,7 +154,7 @@ CanFacts gather_can(const fs::path& root) {
 }
 
 FirewallFacts gather_firewall(const fs::path& root) {
-    if (value_of_key(read_text_file(root / "etc/ufw/ufw.conf"), "ENABLED") == "yes")
+    if (value_of_key(readable_text(root / "etc/ufw/ufw.conf"), "ENABLED") == "yes")
         return {FirewallKind::kUfw, ""};
     if (fs::exists(root / "run/firewalld")) return {FirewallKind::kFirewalld, ""};
     if (root != "/") return {};

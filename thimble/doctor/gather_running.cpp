@@ -152,11 +152,11 @@ ClockFacts gather_clock() {
 PortFacts gather_ports(std::uint16_t base_port, unsigned conditions) {
     PortFacts facts;
     facts.first = base_port;
-    facts.block = static_cast<std::uint16_t>(kPortCount);
     facts.count =
         static_cast<std::uint16_t>(std::min<std::size_t>(conditions * kPortCount, 65536U - base_port));
     facts.loopback_passes = loopback_passes();
-    const std::string table = read_text_file("/proc/net/udp");
+    // A socket of IPv6 has the port of IPv4 too.
+    const std::string table = read_text_file("/proc/net/udp") + read_text_file("/proc/net/udp6");
     for (unsigned i = 0; i < facts.count; ++i) {
         const auto port = static_cast<std::uint16_t>(base_port + i);
         if (is_free(port)) continue;
@@ -182,8 +182,7 @@ ProgramFacts gather_programs(const fs::path& folder) {
 
 namespace {
 
-// In one line.
-std::string words_of(const Error& error) {
+std::string in_one_line(const Error& error) {
     std::string words = error.what();
     std::replace(words.begin(), words.end(), '\n', ' ');
     return words;
@@ -206,7 +205,7 @@ std::string software_problem(const SystemSettings& settings) {
         if (handle.kind == HandleKind::kForceDimension) DhdLibrary(handle.force_dimension.library).file();
         if (handle.kind == HandleKind::kTouch) HdLibrary(handle.touch.library).file();
     } catch (const Error& error) {
-        return words_of(error);
+        return in_one_line(error);
     }
     return "";
 }
@@ -217,7 +216,7 @@ std::string haply_problem(const HandleSettings& handle) {
     try {
         HaplyExchange(handle.haply).name();
     } catch (const Error& error) {
-        return words_of(error);
+        return in_one_line(error);
     }
     return "";
 }
@@ -289,7 +288,7 @@ Ros2Facts gather_ros2(const ConfigFile& file, const SystemSettings& settings) {
     try {
         ros2_domain();
     } catch (const Error& error) {
-        facts.domain_problem = words_of(error);
+        facts.domain_problem = in_one_line(error);
     }
     std::vector<std::string> addresses;
     if (settings.handle.kind == HandleKind::kRos2)

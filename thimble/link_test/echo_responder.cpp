@@ -28,11 +28,6 @@ EchoResponder::EchoResponder(const EchoLimits& limits, Draw draw)
       answers_(limits.answers_per_s, limits.answers_per_s / 10),
       hellos_(limits.hellos_per_s, limits.hellos_per_s / 2) {}
 
-std::size_t EchoResponder::tests() const {
-    return static_cast<std::size_t>(
-        std::count_if(tests_.begin(), tests_.end(), [](const Test& test) { return test.taken; }));
-}
-
 EchoResponder::Test* EchoResponder::find(std::uint32_t host, std::uint64_t nonce) {
     const auto found = std::find_if(tests_.begin(), tests_.end(), [&](const Test& test) {
         return test.taken && test.host == host && test.nonce == nonce;
@@ -49,6 +44,7 @@ EchoResponder::Test* EchoResponder::welcome(SessionTime now, std::uint32_t host,
     place = std::find_if(tests_.begin(), tests_.end(),
                          [&](const Test& test) { return !test.taken || now - test.heard > limits_.idle; });
     if (place == tests_.end()) return nullptr;
+    ++counters_.begun;
     *place = Test{true, host, asker, draw_(), now, {}};
     return &*place;
 }

@@ -62,9 +62,9 @@ class EchoServer {
     }
 
     void say_news() {
-        if (responder_.tests() == tests_) return;
-        tests_ = responder_.tests();
-        spdlog::info("a test from another machine has begun ({} since the start)", tests_);
+        if (responder_.counters().begun == begun_) return;
+        begun_ = responder_.counters().begun;
+        spdlog::info("a test from another machine has begun ({} since the start)", begun_);
     }
 
     EchoResponder responder_;
@@ -73,7 +73,7 @@ class EchoServer {
     std::vector<Port> ports_;
     ReceiveBatch batch_;
     ArrivalClock clock_;
-    std::size_t tests_ = 0;
+    std::uint64_t begun_ = 0;
 };
 
 }  // namespace

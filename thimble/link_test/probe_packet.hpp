@@ -56,7 +56,7 @@ struct PortTraffic {
 std::array<PortTraffic, kPortCount> session_traffic();
 // Those that the programs on `host` listen at; all if no role of [network] is there.
 std::vector<Port> ports_on(const NetworkSettings& network, const std::string& host);
-// "slave_needle", as in the list of ports of docs/protocol.md.
+// "slave_sim_needle", as in the list of ports of docs/protocol.md.
 const char* to_string(Port port);
 
 }  // namespace thimble

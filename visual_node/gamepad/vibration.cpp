@@ -1,7 +1,6 @@
 #include "visual_node/gamepad/vibration.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <utility>
 #include <vector>
 
@@ -9,18 +8,12 @@
 #include <spdlog/spdlog.h>
 
 #include "common/decimal_text.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string first_line(const fs::path& file) {
-    std::ifstream in(file);
-    std::string line;
-    std::getline(in, line);
-    return line;
-}
 
 std::optional<unsigned> hexadecimal(std::string_view text) { return parse_whole<unsigned>(text, 16); }
 

@@ -87,7 +87,6 @@ class ExperimenterView {
     void draw_empty();
     void finish();
     void hear_stop_key(SessionTime now, std::span<const WindowEvent> events);
-    void stop_everything(SessionTime now, std::string_view words);
 
     ViewOptions options_;
     Sockets sockets_;
@@ -113,16 +112,14 @@ void ExperimenterView::hear_stop_key(SessionTime now, std::span<const WindowEven
     for (const WindowEvent& event : events) {
         const bool pressed = event.kind == WindowEvent::Kind::kKey && event.pressed && !event.repeated;
         if (pressed && event.key == GLFW_KEY_BACKSPACE)
-            stop_everything(now, "the stop key in the experimenter's view");
+            stops_.stop(now, "the stop key in the experimenter's view");
     }
     if (emergency_stops() != stops_heard_) {
         stops_heard_ = emergency_stops();
-        stop_everything(now, "SIGQUIT to the experimenter's view");
+        stops_.stop(now, "SIGQUIT to the experimenter's view");
     }
     stops_.tick(now);
 }
-
-void ExperimenterView::stop_everything(SessionTime now, std::string_view words) { stops_.stop(now, words); }
 
 // Without swapping: the compositor's time belongs to neither.
 void ExperimenterView::draw_empty() {
@@ -146,7 +143,7 @@ void ExperimenterView::draw_view(SessionTime now) {
     window_.begin_frame(kBackground);
     paint_scene();
     gui_.begin();
-    panels_.draw(now, {window_, gui_, nullptr});
+    panels_.draw(now, {window_, nullptr});
     gui_.end();
     if (!options_.frame_times || window_.lost()) return;
     glFinish();

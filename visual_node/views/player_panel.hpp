@@ -27,7 +27,6 @@ class PlayerPanel final : public Overlay {
     // Asks the session to end.
     void quit(SessionTime now) { model_.quit(now); }
 
-    const PlayerModel& model() const { return model_; }
     // Where it stands in a window of this size, so that the scene can keep out of its way.
     static Rect place(double width, double height, double scale);
 

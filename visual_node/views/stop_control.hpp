@@ -27,6 +27,7 @@ class StopControl : boost::noncopyable {
         order_ = StopOrder(instance_ + kSpread * ++stops_, StopKind::kStop, EndReason::kEmergencyStop, words);
         left_ = kReleaseTimes;
         release_.reset();
+        releases_ = false;  // a press that is under way does not release it
         next_ = now;
         tick(now);
     }

@@ -128,6 +128,13 @@ void draw_ground(Mesh& mesh, const CutawayPlan& plan) {
               {0, 0, 0, 0.75F}, {0, 0, 0, 0});
 }
 
+// Where a player feels the force, in a visitor's words.
+const char* felt_at(Modality modality) {
+    static constexpr std::array kNames{"force in the hand", "force on the fingertip",
+                                       "force on the other hand", "force as a bar"};
+    return kNames.at(static_cast<std::size_t>(modality));
+}
+
 }  // namespace
 
 double CutawayPlan::y(double z_m) const {
@@ -174,12 +181,6 @@ void build_cutaway(const Scene& scene, const CutawayPlan& plan, Mesh& mesh) {
         draw_arrow(mesh, {plan.axis_x + 100 * plan.unit, hub_bottom(plan, cut.position_needle_m)}, total,
                    plan, kOrange);
     }
-}
-
-const char* felt_at(Modality modality) {
-    static constexpr std::array kNames{"force in the hand", "force on the fingertip",
-                                       "force on the other hand", "force as a bar"};
-    return kNames.at(static_cast<std::size_t>(modality));
 }
 
 std::vector<CutawayLabel> cutaway_labels(const Scene& scene, const CutawayPlan& plan) {

@@ -47,7 +47,4 @@ struct CutawayLabel {
 // Texts beside things: depth, force, where the force is felt.
 std::vector<CutawayLabel> cutaway_labels(const Scene& scene, const CutawayPlan& plan);
 
-// Where a player feels the force, in a visitor's words.
-const char* felt_at(Modality modality);
-
 }  // namespace thimble

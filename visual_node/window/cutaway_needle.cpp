@@ -145,9 +145,10 @@ void draw_pair(Mesh& mesh, const Spot& middle, double gap, double unit, const Sc
         {{middle.x - gap / 2, middle.y + 6 * unit}, -1, 19 * unit, 120 * unit, belts ? thumb : 0, belts});
 }
 
-}  // namespace
-
+// Where the fingers of the hand that does not move the needle are in CCF.
 Spot other_hand(const CutawayPlan& plan) { return {plan.area.x + 0.19 * plan.area.width, plan.y(-0.050)}; }
+
+}  // namespace
 
 double hub_bottom(const CutawayPlan& plan, double position_needle_m) {
     return plan.y(position_needle_m - kShaft_m);

@@ -15,8 +15,6 @@ void draw_hands(Mesh& mesh, const Scene& scene, const CutawayPlan& plan);
 // The outline of the hub where the hand wants it.
 void draw_ghost(Mesh& mesh, const CutawayPlan& plan, double hub_y);
 
-// Where the fingers of the hand that does not move the needle are in CCF.
-Spot other_hand(const CutawayPlan& plan);
 double hub_bottom(const CutawayPlan& plan, double position_needle_m);
 
 }  // namespace thimble

@@ -165,16 +165,9 @@ void GlWindow::Impl::listen() {
         }
     });
     glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) { of(w).moved(x, y); });
-    glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
+    glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int action, int) {
         if (WindowEvent* const event = of(w).add(WindowEvent::Kind::kButton); event != nullptr) {
-            event->button = button;
             event->pressed = action == GLFW_PRESS;
-        }
-    });
-    glfwSetScrollCallback(window, [](GLFWwindow* w, double x, double y) {
-        if (WindowEvent* const event = of(w).add(WindowEvent::Kind::kScroll); event != nullptr) {
-            event->x = x;
-            event->y = y;
         }
     });
     glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int wide, int high) {
@@ -185,7 +178,6 @@ void GlWindow::Impl::listen() {
         }
     });
     glfwSetWindowContentScaleCallback(window, [](GLFWwindow* w, float, float) { of(w).measure(); });
-    glfwSetWindowCloseCallback(window, [](GLFWwindow* w) { of(w).add(WindowEvent::Kind::kClose); });
     glfwSetWindowFocusCallback(window, [](GLFWwindow* w, int focused) {
         WindowEvent* const event = of(w).add(WindowEvent::Kind::kFocus);
         if (event != nullptr) event->pressed = focused == GLFW_TRUE;

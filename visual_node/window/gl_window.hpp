@@ -33,17 +33,14 @@ struct WindowEvent {
     enum class Kind : std::uint8_t {
         kKey,  // key, pressed, repeated
         kMotion,  // x, y: the pointer; while it is grabbed, way since the last event (raw counts where there are such)
-        kButton,  // button, pressed, x, y: the pointer
-        kScroll,  // x, y: steps
+        kButton,  // any; pressed, x, y: the pointer
         kResize,  // x, y: new size of the framebuffer
-        kClose,   // the user asked for it; the window stays until it is destroyed
         kFocus,   // pressed: it has the keyboard now
     };
     Kind kind = Kind::kKey;
     bool pressed = false;
     bool repeated = false;
-    int key = 0;     // GLFW_KEY_...
-    int button = 0;  // GLFW_MOUSE_BUTTON_...
+    int key = 0;  // GLFW_KEY_...
     double x = 0;
     double y = 0;
     SessionTime time{};  // when the program took it from the window system

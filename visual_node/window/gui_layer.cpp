@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <imgui.h>
 #include <set>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include <fmt/ranges.h>
 
 #include "common/error.hpp"
+#include "visual_node/instructions.hpp"
 
 namespace thimble {
 namespace {
@@ -41,16 +43,7 @@ ImFont* add_font(ImFontAtlas& atlas, float size_px, const ImVector<ImWchar>& ran
 // ImGui's own reader makes U+FFFD of what is too large for its characters.
 std::set<unsigned> characters_of(const std::string& text) {
     std::set<unsigned> characters;
-    const char* const end = text.data() + text.size();
-    for (const char* at = text.data(); at < end;) {
-        const auto lead = static_cast<unsigned char>(*at);
-        const int length = lead < 0x80 ? 1 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
-        unsigned character = length == 1 ? lead : lead & (0x7FU >> length);
-        for (int i = 1; i < length && at + i < end; ++i)
-            character = (character << 6U) | (static_cast<unsigned char>(at[i]) & 0x3FU);
-        characters.insert(character);
-        at += length;
-    }
+    for (std::string_view rest = text; !rest.empty();) characters.insert(take_character(rest));
     return characters;
 }
 
@@ -102,7 +95,6 @@ bool GuiLayer::wants(const WindowEvent& event) const {
             return io.WantCaptureKeyboard;
         case WindowEvent::Kind::kMotion:
         case WindowEvent::Kind::kButton:
-        case WindowEvent::Kind::kScroll:
             return io.WantCaptureMouse && !window_->pointer_grabbed();
         default:
             return false;

@@ -8,7 +8,6 @@
 
 #include "common/time.hpp"
 #include "visual_node/window/gl_window.hpp"
-#include "visual_node/window/gui_layer.hpp"
 
 namespace thimble {
 
@@ -16,7 +15,6 @@ class FrameTimes;  // frame_times.hpp: how long each stage from hand to light to
 
 struct OverlayFrame {
     const GlWindow& window;
-    const GuiLayer& gui;
     const FrameTimes* times = nullptr;  // null where no scene is drawn
     std::optional<bool> hand_holds{};   // whether the pointer has the needle; nothing where it never does
 };

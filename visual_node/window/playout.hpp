@@ -60,13 +60,9 @@ class Playout {
         while (smoothing_ > Duration::zero() && older + 1 < scenes_.size() && recent(older).hand_time > stamp)
             ++older;
         const Scene& from = recent(older);
-        shown_arrival_ = from.sample_time;
         if (older == 0 || from.hand_time > stamp) return from;
         return between(from, recent(older - 1), stamp);
     }
-
-    // The age of the scene that at() gave last, since the arrival of its sample.
-    Duration age(SessionTime now) const { return now - shown_arrival_; }
 
   private:
     // Forgets old minima of the delay: the network may have changed.
@@ -87,7 +83,6 @@ class Playout {
     // Arrival minus stamp, the least of this and the last span of kRemembered: where jitter begins.
     Duration quickest_{}, quickest_before_{};
     SessionTime span_began_{};
-    SessionTime shown_arrival_{};
 };
 
 }  // namespace thimble

@@ -47,7 +47,7 @@ WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
         wait_until(pace_.next(begun_, swapped_), stop);
     }
     if (end_ == WindowEnd::kNone) end_ = WindowEnd::kAsked;
-    if (end_ == WindowEnd::kAsked && !screenshot_.empty()) save_screenshot(picture());
+    if (end_ != WindowEnd::kScreenLost && !screenshot_.empty()) save_screenshot(picture());
     if (end_ == WindowEnd::kScreenLost) {
         spdlog::warn(parts_.stays_open
                          ? "the window has lost its screen"
@@ -241,7 +241,7 @@ void WindowLoop::draw_notices() const {
 }
 
 void WindowLoop::draw_overlay(SessionTime now) {
-    OverlayFrame frame{*parts_.window, gui_, parts_.display == nullptr ? nullptr : &times_};
+    OverlayFrame frame{*parts_.window, parts_.display == nullptr ? nullptr : &times_};
     if (parts_.hand != nullptr) frame.hand_holds = parts_.hand->hand().engaged;
     parts_.overlay->draw(now, frame);
 }
@@ -272,7 +272,7 @@ void WindowLoop::draw_between_trials() {
 Image WindowLoop::picture() {
     Image image;
     wanted_ = &image;
-    if (end_ == WindowEnd::kNone || end_ == WindowEnd::kAsked) {
+    if (end_ != WindowEnd::kScreenLost) {
         take_mail(wall_now());
         draw(wall_now());
     }

@@ -1,5 +1,6 @@
 // The main thread's work beside the node's thread: events, frames, sound. It ends on request, when the user closes
-// the window, or when the screen is gone. The node goes on in each case.
+// the window, or when the screen is gone. The node goes on, unless a subject's pointer is lost with the screen
+// (visual_window.cpp).
 #pragma once
 
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include "visual_node/visual_settings.hpp"
 #include "visual_node/window/beeper.hpp"
 #include "visual_node/window/frame_times.hpp"
+#include "visual_node/window/gui_layer.hpp"
 #include "visual_node/window/hand_controls.hpp"
 #include "visual_node/window/overlay.hpp"
 #include "visual_node/window/page_view.hpp"
@@ -38,7 +40,7 @@ class WindowLoop {
         Beeper* beeper = nullptr;
         const PageSet* pages = nullptr;  // null: the program's own words, and no questions
         bool subject_goes_on = false;    // a key or a click ends a page that waits
-        // A subject with the pointer: nothing that a subject does closes the window, and no times are shown.
+        // A subject with the pointer: nothing that a subject does closes the window.
         bool stays_open = false;
         Vibration* vibration = nullptr;
         bool beep_shown = false;  // as a bright frame

@@ -95,8 +95,8 @@ TEST_F(LinkTest, EveryPortOfThisMachineAnswers) {
 }
 
 TEST_F(LinkTest, APortTakenByNobodyIsNamed) {
-    Child far_side = echo({"--base-port", base(), "--ports", "6,14"});
-    const Result result = test({"--base-port", base(), "--ports", "6,11,14", "--seconds", "0.2"});
+    Child far_side = echo({"--base-port", base(), "--ports", "14,6,14"});
+    const Result result = test({"--base-port", base(), "--ports", "6,11,14,11", "--seconds", "0.2"});
     EXPECT_EQ(result.code, 3) << result.words;
     ASSERT_EQ(result.json["ports"].size(), 3U);
     EXPECT_EQ(result.json["ports"][0]["answer"], "answers");

@@ -87,7 +87,7 @@ TEST(DoctorChecks, PythonsPackageIsOfTheSameVersion) {
 
 TEST(DoctorChecks, OurOwnProgramsAreEndedAtAPortOthersAreAvoided) {
     const auto taken = [](std::vector<TakenPort> by) {
-        return with(&Facts::ports, {27000, 50, 25, std::move(by), true});
+        return with(&Facts::ports, {27000, 50, std::move(by), true});
     };
     const TakenPort ours{27003, 4711, "thimble-visual"}, also_ours{27009, 4711, "thimble-visual"};
     expect_findings(
@@ -97,11 +97,11 @@ TEST(DoctorChecks, OurOwnProgramsAreEndedAtAPortOthersAreAvoided) {
           "kill 4711"},
          {taken({ours, also_ours, {27010, 12, "jackd"}}), kFault, "3 of the UDP ports", "--base-port 27050"},
          {taken({{27001, 0, ""}}), kFault, "another user's program", "--base-port 27050"},
-         {with(&Facts::ports, {27000, 25, 25, {}, false}), kFault, "did not arrive", "ip link set lo up"}});
+         {with(&Facts::ports, {27000, 25, {}, false}), kFault, "did not arrive", "ip link set lo up"}});
 }
 
 TEST(DoctorChecks, AFirewallMattersToSeveralMachinesOnly) {
-    const Facts one = with(&Facts::ports, {27000, 25, 25, {}, true});
+    const Facts one = with(&Facts::ports, {27000, 25, {}, true});
     const Facts several = with(&Facts::session, kSeveral, one);
     expect_findings(
         check_firewall,

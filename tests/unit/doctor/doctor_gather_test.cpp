@@ -1,7 +1,12 @@
 // Facts from /proc, /sys and /etc, in folders made for the test, and from other programs' output.
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/text_file.hpp"
 #include "tests/refusal.hpp"
 #include "thimble/doctor/facts.hpp"
 
@@ -49,6 +54,20 @@ TEST_F(MadeMachine, WithNothingInItIsNoError) {
     EXPECT_FALSE(gather_kernel(root).can);
     EXPECT_THAT(gather_can(root).interfaces, IsEmpty());
     EXPECT_THAT(gather_devices(root).devices, IsEmpty());
+    EXPECT_EQ(gather_firewall(root).kind, FirewallKind::kNone);
+}
+
+// A folder can be opened, but not read: as the governor of a processor that is switched off.
+TEST_F(MadeMachine, WhatTheSystemFailsToReadIsNoError) {
+    for (const char* file :
+         {"sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "sys/class/net/can0/type",
+          "sys/class/hidraw/hidraw0/device/uevent", "sys/bus/usb/devices/1-1/idVendor", "etc/ufw/ufw.conf"})
+        std::filesystem::create_directories(root / file);
+    write("sys/class/hidraw/hidraw1/device/uevent", "HID_ID=0003:0000256F:0000C635\n");
+    std::filesystem::create_directories(root / "sys/class/hidraw/hidraw1/device/report_descriptor");
+    EXPECT_THAT(gather_processors(root).governors, IsEmpty());
+    EXPECT_THAT(gather_can(root).interfaces, IsEmpty());
+    gather_devices(root);
     EXPECT_EQ(gather_firewall(root).kind, FirewallKind::kNone);
 }
 
@@ -141,6 +160,21 @@ TEST(DoctorWords, SocketsOfAPort) {
     EXPECT_THAT(udp_inodes(table, 27000), ElementsAre("12345"));
     EXPECT_THAT(udp_inodes(table, 27001), ElementsAre("777"));
     EXPECT_THAT(udp_inodes(table, 27002), IsEmpty());
+}
+
+TEST(DoctorWords, AnIpv6SocketHoldsThePortOfIpv4) {
+    const FileDescriptor taken(socket(AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    const int no = 0;
+    sockaddr_in6 at{};
+    socklen_t size = sizeof at;
+    at.sin6_family = AF_INET6;
+    auto* const address = static_cast<sockaddr*>(static_cast<void*>(&at));
+    if (setsockopt(taken.get(), IPPROTO_IPV6, IPV6_V6ONLY, &no, sizeof no) != 0 ||
+        bind(taken.get(), address, size) != 0 || getsockname(taken.get(), address, &size) != 0)
+        GTEST_SKIP() << "needs IPv6";
+    const PortFacts facts = gather_ports(ntohs(at.sin6_port), 1);
+    ASSERT_FALSE(facts.taken.empty());
+    EXPECT_EQ(facts.taken[0].process, getpid());
 }
 
 }  // namespace

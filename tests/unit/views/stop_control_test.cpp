@@ -121,5 +121,16 @@ TEST_F(StopControlTest, AStopWhileAReleaseIsUnderWayHolds) {
     EXPECT_TRUE(control->holds());
 }
 
+TEST_F(StopControlTest, AStopWhileTheButtonIsHeldToReleaseHolds) {
+    pass(20, true);
+    pass(1500, false);
+    pass(500, true);
+    control->stop(now, "the stop key");
+    pass(600, true);
+    pass(3000, false);
+    EXPECT_EQ(stopped(), 6);
+    EXPECT_TRUE(control->holds());
+}
+
 }  // namespace
 }  // namespace thimble

@@ -154,6 +154,11 @@ TEST(QuestionForm, DigitsChooseOrMakeANumber) {
     form.clear();
     for (const int digit : {9, 0}) form.type(digit);
     EXPECT_EQ(form.given()->value, 89) << "of somebody who is 90";
+    const Question below = question_of(QuestionKind::kNumber, -20, 20);
+    form.show(3, &below);
+    form.move(1);
+    form.type(5);
+    EXPECT_EQ(form.value(), 5) << "-20, and then a number of its own";
 }
 
 }  // namespace

@@ -27,7 +27,6 @@ TEST(Playout, WithoutSmoothingShowsTheNewestAsItIs) {
     playout.add(moving(milliseconds{10}, milliseconds{5}));
     playout.add(moving(milliseconds{11}, milliseconds{9}));
     EXPECT_EQ(playout.at(at(milliseconds{20})).value().position_needle_m, 0.011);
-    EXPECT_EQ(playout.age(at(milliseconds{23})), milliseconds{3});
 }
 
 // Samples every ms, arrivals torn apart by up to 8 ms of jitter: the frames of a steady motion must advance steadily.
