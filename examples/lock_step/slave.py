@@ -12,7 +12,10 @@ SURFACE_m, STIFFNESS_N_per_m, DAMPING_Ns_per_m, FIXTURE_N_per_m = 0.020, 1.5, 2.
 class Slave(lock_step.Slave):
     def __init__(self, *words):
         super().__init__(*words)
-        self.hold_ns = round(self.session['trial']['contact_hold_s'] * 1e9)
+        hold_s = self.session.get('trial', {}).get('contact_hold_s', 5.0)
+        if isinstance(hold_s, str):
+            sys.exit('slave.py: write [trial] contact_hold_s as a number of seconds, without a unit')
+        self.hold_ns = round(hold_s * 1e9)
         self.fixture_m, self.touched_ns, self.beeped = math.inf, None, False
 
     def started(self, fixture_m):
