@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "analysis/statistics/cholesky.hpp"
 #include "analysis/statistics/distributions.hpp"
