@@ -10,6 +10,7 @@
 
 #include "common/error.hpp"
 #include "common/process/isolated.hpp"
+#include "session/records/condition_summary.hpp"
 #include "session/records/metrics.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/virtual/virtual_session.hpp"
