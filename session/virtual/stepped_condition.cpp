@@ -143,7 +143,8 @@ class SteppedCondition {
     TrajectorySample last_;
     SessionTime next_progress_{};
     bool told_lost_ = false;
-    unsigned stop_keys_ = keys_carried_out;  // a key pressed while the programs start counts for the first trial
+    unsigned stop_keys_ =
+        keys_carried_out;  // a key pressed while the programs start counts for the first trial
 };
 
 }  // namespace

@@ -77,10 +77,9 @@ TEST_F(ShellProgram, LeavesNoProcess) {
 
 // A script that waits until its daemon is gone comes to an end.
 TEST_F(ShellProgram, AnOrphanThatEndsIsGone) {
-    const ProgramResult result = netem(
-        "shell",
-        {"(sleep 1000 > /dev/null 2>&1 & echo $! > pid); p=$(cat pid); kill $p; "
-         "for i in $(seq 600); do kill -0 $p 2> /dev/null || exit 4; sleep 0.05; done"});
+    const ProgramResult result =
+        netem("shell", {"(sleep 1000 > /dev/null 2>&1 & echo $! > pid); p=$(cat pid); kill $p; "
+                        "for i in $(seq 600); do kill -0 $p 2> /dev/null || exit 4; sleep 0.05; done"});
     EXPECT_EQ(result.exit_code, 4);
 }
 
