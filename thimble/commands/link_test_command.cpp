@@ -35,6 +35,7 @@ std::vector<Port> chosen_ports(const LinkTestArguments& arguments, std::vector<P
     if (arguments.offsets.empty()) return all;
     std::vector<Port> ports;
     const std::set<unsigned> once(arguments.offsets.begin(), arguments.offsets.end());
+    ports.reserve(once.size());
     for (const unsigned offset : once) ports.push_back(static_cast<Port>(offset));
     return ports;
 }
