@@ -116,7 +116,8 @@ TEST(ConditionFiles, KeepWhatWasAddedAlsoWithoutAnEnd) {
 TEST(ConditionFiles, ATrialThatIsReplacedLeavesNoChangesOfTheNetwork) {
     const TemporaryDirectory folder;
     write_events(event_path(folder / "t.csv"), {{0.3, 0.5}});
-    ConditionFiles files(plan_in(folder.path()));
+    const ConditionPlan plan = plan_in(folder.path());
+    ConditionFiles files(plan);
     files.begin_trial({}, 1, folder / "t.csv");
     end(files);
     EXPECT_FALSE(std::filesystem::exists(event_path(folder / "t.csv")));
