@@ -89,6 +89,12 @@ struct RateSettings {
     Drop drop = Drop::kTail;
     std::size_t cell_bytes = 0, cell_overhead_bytes = 0;  // 0: no cells
 
+    // What a packet of `size` bytes takes of the rate.
+    std::size_t bytes_on_air(std::size_t size) const {
+        const std::size_t bytes = size + overhead_bytes;
+        if (cell_bytes == 0) return bytes;
+        return (bytes + cell_bytes - 1) / cell_bytes * (cell_bytes + cell_overhead_bytes);
+    }
     bool operator==(const RateSettings&) const = default;
 };
 

@@ -132,10 +132,11 @@ class Study {
         make_folder(folder);
         const bool own_trials = table == "trials" || table == "control";
         const bool again = options_.if_exists != IfExists::kRefuse;
-        TrajectoryWriter writer(folder / fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{:g}ms{}.csv",
-                                                     c.experiment, c.subject, c.trial, to_string(c.modality),
-                                                     1000 * c.delay_s, own_trials ? "" : "_" + table),
-                                again ? IfExists::kReplace : IfExists::kRefuse);
+        TrajectoryWriter writer(
+            folder / fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{}{}.csv", c.experiment, c.subject,
+                                 c.trial, to_string(c.modality), delay_in_names(c.delay_s),
+                                 own_trials ? "" : "_" + table),
+            again ? IfExists::kReplace : IfExists::kRefuse);
         writer.append(record.samples);
         writer.end(record.reason, record.lost_peer);
     }

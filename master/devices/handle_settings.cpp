@@ -101,7 +101,7 @@ double usual_force_limit_N(HandleKind kind) {
 
 // A hand of the handle's own strength could hold down a late force.
 void refuse_strong_hand(const ConfigTable& table, const HandleSettings& settings) {
-    const bool coupled = settings.kind >= HandleKind::kPointer && settings.kind <= HandleKind::kHid;
+    const bool coupled = held_by_person(settings.kind) && !is_real(settings.kind);
     if (!coupled || settings.coupling.force_limit_N < settings.force_limit_N) return;
     table.fail("coupling_force_limit_N",
                "is {:g}, but must be less than force_limit_N, {:g}: lower it, or raise force_limit_N",

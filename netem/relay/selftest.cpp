@@ -61,10 +61,7 @@ std::size_t packets_of(const SelftestSettings& settings) {
 double queue_s(const LinkSettings& link, std::size_t packets, std::size_t bytes) {
     const RateSettings& rate = link.rate;
     if (rate.bits_per_s == 0) return 0;
-    std::size_t on_air = bytes + rate.overhead_bytes;
-    if (rate.cell_bytes > 0)
-        on_air = (on_air / rate.cell_bytes + 1) * (rate.cell_bytes + rate.cell_overhead_bytes);
-    const double each_s = 8.0 * static_cast<double>(on_air) / rate.bits_per_s;
+    const double each_s = 8.0 * static_cast<double>(rate.bytes_on_air(bytes)) / rate.bits_per_s;
     std::size_t held = link.capacity;
     if (rate.queue_packets > 0) held = std::min(held, rate.queue_packets + 1);
     if (rate.queue_bytes > 0) held = std::min(held, rate.queue_bytes / bytes + 1);

@@ -48,12 +48,7 @@ class Transmitter {
 
   private:
     Duration arrival(const Packet& packet) const { return from_nanoseconds(packet.received_ns) - origin_; }
-    std::size_t bytes_on_air(const Packet& packet) const {
-        const std::size_t bytes = packet.size + rate_.overhead_bytes;
-        if (rate_.cell_bytes == 0) return bytes;
-        const std::size_t cells = (bytes + rate_.cell_bytes - 1) / rate_.cell_bytes;
-        return cells * (rate_.cell_bytes + rate_.cell_overhead_bytes);
-    }
+    std::size_t bytes_on_air(const Packet& packet) const { return rate_.bytes_on_air(packet.size); }
     Duration time_on_air(const Packet& packet);  // of one that starts at start_
     bool sends_at_once() const;                  // a packet that comes now waits for nothing
     void plan_next();

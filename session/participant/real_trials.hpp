@@ -87,8 +87,8 @@ class RealTrials final : public TrialRunner {
     }
 
     void say(const std::string& line) { progress_.say(line); }
-    // Ends the programs. Not ok: ExitCode::kRealtime, if one missed too many deadlines under strict_rt; kRunFailed, if data are lost,
-    // a plug-in hangs at its end, or a stop holds.
+    // Ends the programs. The code is kRealtime if one missed too many deadlines under strict_rt. It is kRunFailed if data are
+    // lost, a plug-in hangs at its end, or a stop holds.
     ConditionResult close() {
         ConditionResult result;
         if (condition_) result = condition_->close();

@@ -28,9 +28,9 @@ struct PlayResult {
 // Longer than a played trial.
 inline constexpr Duration kPlayTimeout = std::chrono::minutes{30};
 
-// Ends when the window is closed, at a Quit, at a stop, or after `longest`. Throws Error: usage, if the record's folder
-// holds a table already; network, if a port is taken or a node ends by itself, with its words; run failed, if a file cannot be
-// written.
+// Ends when the window is closed, at a Quit, at a stop, or after `longest`. Throws Error (usage) if the record's folder holds a
+// table already. Throws Error (network) if a port is taken, or a node ends by itself, with its words. Throws Error (run failed) if
+// a file cannot be written.
 PlayResult play(const SystemSettings& settings, const PlayOptions& options);
 
 }  // namespace thimble

@@ -78,8 +78,10 @@ void TrajectoryWriter::end(EndReason reason, Role lost_peer) {
     file_.sync();
 }
 
+std::string delay_in_names(double delay_s) { return fmt::format("{:g}ms", 1000 * delay_s); }
+
 std::string trajectory_name(const TrialConditions& c) {
-    return fmt::format("trial{:02}_{}_{:g}ms.csv", c.trial, to_string(c.modality), 1000 * c.delay_s);
+    return fmt::format("trial{:02}_{}_{}.csv", c.trial, to_string(c.modality), delay_in_names(c.delay_s));
 }
 
 std::filesystem::path find_trajectory(const std::filesystem::path& folder, const TrialConditions& c) {

@@ -36,6 +36,8 @@ struct Trajectory {
     Role lost_peer = Role::kSession;
 };
 
+// "50ms": a delay as the names of all files have it.
+std::string delay_in_names(double delay_s);
 // "trial01_HF_50ms.csv", the name in the folder of a run.
 std::string trajectory_name(const TrialConditions& conditions);
 // The trajectory that a run or a study has kept in `folder`; empty: there is none.

@@ -97,19 +97,20 @@ void ConditionFiles::open() {
 std::string ConditionFiles::again() const { return restarts_ == 0 ? "" : fmt::format("_again{}", restarts_); }
 
 std::filesystem::path ConditionFiles::report_path(std::size_t node) const {
-    return plan_.out / fmt::format("{}_{:g}ms.json", kNodes[node].program, 1000 * plan_.delay_s);
+    return plan_.out / fmt::format("{}_{}.json", kNodes[node].program, delay_in_names(plan_.delay_s));
 }
 
 std::filesystem::path ConditionFiles::log_path(std::size_t node) const {
-    return plan_.out / fmt::format("{}_{:g}ms{}.log", kNodes[node].program, 1000 * plan_.delay_s, again());
+    return plan_.out /
+           fmt::format("{}_{}{}.log", kNodes[node].program, delay_in_names(plan_.delay_s), again());
 }
 
 std::filesystem::path ConditionFiles::clock_path() const {
-    return plan_.out / fmt::format("clocks_{:g}ms.csv", 1000 * plan_.delay_s);
+    return plan_.out / fmt::format("clocks_{}.csv", delay_in_names(plan_.delay_s));
 }
 
 std::filesystem::path ConditionFiles::messages_path(const std::string& program) const {
-    return plan_.out / fmt::format("{}_{:g}ms{}.mcap", program, 1000 * plan_.delay_s, again());
+    return plan_.out / fmt::format("{}_{}{}.mcap", program, delay_in_names(plan_.delay_s), again());
 }
 
 void ConditionFiles::begin_trial(const TrialConditions& trial, std::uint32_t number,
@@ -190,7 +191,7 @@ std::vector<NodeClock> ConditionFiles::close_clocks() {
 
 void ConditionFiles::write_session_report(const nlohmann::ordered_json& report) {
     attempt([&] {
-        CsvFile file(plan_.out / fmt::format("session_{:g}ms.json", 1000 * plan_.delay_s),
+        CsvFile file(plan_.out / fmt::format("session_{}.json", delay_in_names(plan_.delay_s)),
                      IfExists::kReplace);
         file.write(json_text(report, 2) + "\n");
         file.flush();

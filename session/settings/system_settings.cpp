@@ -9,6 +9,7 @@
 #include "common/network_settings.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "netem/packet_trace.hpp"
+#include "session/records/trajectory_file.hpp"
 
 namespace thimble {
 namespace {
@@ -59,15 +60,13 @@ void read_modalities(const ConfigTable& table, SessionPlan& plan) {
     if (plan.modalities.empty()) table.fail("modalities", "is empty; name at least one of HF, CF, CCF, VF");
 }
 
-// As names of files have it.
-std::string file_name_of_delay(Duration delay) { return fmt::format("{:g}ms", 1000 * to_seconds(delay)); }
-
 void add_delay(const ConfigTable& table, Duration delay, SessionPlan& plan) {
+    const std::string name = delay_in_names(to_seconds(delay));
     for (const Duration other : plan.delays) {
         if (other == delay) table.fail("delays_s", "holds {} twice; leave one out", to_seconds(delay));
-        if (file_name_of_delay(other) == file_name_of_delay(delay))
+        if (delay_in_names(to_seconds(other)) == name)
             table.fail("delays_s", "holds {} and {}, which have the same name in files, {}; leave one out",
-                       to_seconds(other), to_seconds(delay), file_name_of_delay(delay));
+                       to_seconds(other), to_seconds(delay), name);
     }
     plan.delays.push_back(delay);
 }

@@ -15,7 +15,7 @@ struct FlowUse {
     double packets_per_s = 0;
     double bytes_per_s = 0;  // message, two seals (docs/security.md), headers of UDP and IPv4
 };
-// In the order of NetemProcess::relays(): the needle, then the force to master, cutaneous and visual.
+// The needle comes first, then the force to master, to cutaneous and to visual, as in NetemProcess::relays().
 using WireUse = std::array<FlowUse, 4>;
 
 // The headers of UDP and IPv4.

@@ -108,7 +108,7 @@ TEST(EmergencyStop, BeforeTheFirstTrial) {
     EXPECT_FALSE(std::filesystem::is_empty(std::getenv("THIMBLE_STOP_DIR")));
 }
 
-// The conductor of lock-step waits for its programs, of which one waits for this test.
+// One program waits for this test, and the conductor of lock-step waits for that program.
 TEST(EmergencyStop, InLockStepWhileTheProgramsStart) {
     const Folder folder;
     install_programs(folder / "bin");

@@ -47,7 +47,7 @@ void expect_the_relay_agrees(const std::vector<FlowFinding>& flows, const std::f
 
 TEST(LogRun, EveryProgramsLogIsGoodAndTheyAddUp) {
     SessionFile session;
-    // So much loss that the relay names more packets than may be under way at the end, where a busy machine sends few.
+    // A busy machine sends few packets. The relay must still lose more than may be under way at the end.
     session.more = std::string(kLogAll) + "[netem.needle]\nloss = 0.3\n[netem.force]\nloss = 0.3\n";
     RealRun run(session);
     ASSERT_EQ(run.end(), 0) << run.words();

@@ -19,6 +19,7 @@
 #include "common/version.hpp"
 #include "session/clocks/chrony.hpp"
 #include "session/launch/node_kinds.hpp"
+#include "session/records/trajectory_file.hpp"
 #include "session/run/condition_run.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/virtual/lock_step_session.hpp"
@@ -158,7 +159,7 @@ class Run {
         plan.session.ends_by_withdrawal = held_by_person(settings_.handle.kind);
         plan.delay_s = delay_s;
         plan.place = place;
-        if (condition_count() > 1) plan.name = fmt::format("{:g}ms", 1000 * delay_s);
+        if (condition_count() > 1) plan.name = delay_in_names(delay_s);
         plan.trials = run_trials_of(settings_, delay_s);
         plan.make_observer = options_.make_observer;
         plan.runtime = settings_.runtime;

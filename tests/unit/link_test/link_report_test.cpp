@@ -49,7 +49,7 @@ TEST(LinkVerdict, ASofterFixtureBearsMoreAndNoneBearsAll) {
     EXPECT_EQ(judge(Modality::kHF, link(0.05, 0.09), loop_limits(soft)).fit, Fit::kFits);
     // Damping of the fixture does not count as stiffness.
     EXPECT_NEAR(fixture_stiffness_N_per_m(config("[fixture]\ndamping_Ns_per_m = 100\n").slave), 3000, 1e-6);
-    // Nor does an event that removes it during the trial.
+    // An event that removes the fixture during the trial does not change its stiffness.
     const auto removed = config("[[fixture.event]]\nafter_contact_s = 5\npresent = false\n");
     EXPECT_NEAR(fixture_stiffness_N_per_m(removed.slave), 3000, 1e-6);
 }
