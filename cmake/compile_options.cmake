@@ -43,6 +43,16 @@ function(thimble_seldom)
     endforeach()
 endfunction()
 
+# thimble_seldom_part(library SOURCES...): what runs seldom of a library whose other sources run in a tick. Its objects stand last, see below.
+function(thimble_seldom_part library)
+    set(name ${library}_seldom)
+    add_library(${name} OBJECT ${ARGN})
+    set_target_properties(${name} PROPERTIES ${THIMBLE_IN_UNITY})
+    target_link_libraries(${name} PRIVATE $<TARGET_PROPERTY:${library},LINK_LIBRARIES>)
+    thimble_seldom(${name})
+    target_sources(${library} PRIVATE $<TARGET_OBJECTS:${name}>)
+endfunction()
+
 # thimble_optimised_first(program LIBRARY...): of an inline function that several objects hold, the linker keeps the first copy. In a
 # program of seldom code that would be a slow one, of channels and links too: a seventh of the time of a study.
 function(thimble_optimised_first program)

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include <fmt/format.h>
+
 #include "common/ros2/ros2_device.hpp"
 #include "slave_sim/remote_needle.hpp"
 
@@ -27,8 +29,8 @@ class Ros2Needle final : public RemoteNeedle {
   private:
     void listen(SessionTime now) override;
     void tell_position(double position_m) override;
-    std::string place_sender() const override { return std::string("the ROS 2 robot at ") + kPositions; }
-    std::string force_sender() const override { return std::string("the ROS 2 robot at ") + kForces; }
+    std::string place_sender() const override { return fmt::format("the ROS 2 robot at {}", kPositions); }
+    std::string force_sender() const override { return fmt::format("the ROS 2 robot at {}", kForces); }
 
     Ros2Device device_;
     dds_entity_t positions_, forces_;

@@ -15,9 +15,9 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr std::size_t kPackets = 4000;
+constexpr std::size_t kPacketsSent = 4000;
 
-std::vector<SessionTime> each_millisecond(std::size_t packets = kPackets) {
+std::vector<SessionTime> each_millisecond(std::size_t packets = kPacketsSent) {
     std::vector<SessionTime> times;
     for (std::size_t i = 0; i < packets; ++i) times.emplace_back(milliseconds{i});
     return times;
@@ -32,11 +32,11 @@ TwinLink losing(const LossSettings& loss) {
 TEST(LossLaw, IsBinomialForIndependentLosses) {
     for (const double share : {1e-5, 0.01, 0.3}) {
         const LossLaw law(losing(LossSettings::independent(share)), each_millisecond());
-        const boost::math::binomial binomial(kPackets, share);
-        EXPECT_NEAR(law.mean(), kPackets * share, 1e-9 * kPackets);
+        const boost::math::binomial binomial(kPacketsSent, share);
+        EXPECT_NEAR(law.mean(), kPacketsSent * share, 1e-9 * kPacketsSent);
         for (const double deviations : {-6.0, -3.0, 0.0, 1.0, 4.0, 7.0}) {
-            const double lost =
-                std::round(kPackets * share + deviations * std::sqrt(kPackets * share * (1 - share)) + 0.2);
+            const double lost = std::round(kPacketsSent * share +
+                                           deviations * std::sqrt(kPacketsSent * share * (1 - share)) + 0.2);
             if (lost < 0) continue;
             const double so_few = cdf(binomial, lost);
             const double so_many = lost == 0 ? 1 : cdf(complement(binomial, lost - 1));
@@ -51,7 +51,7 @@ TEST(LossLaw, WithoutLossNothingMayBeLost) {
     const LossLaw law(losing({}), each_millisecond());
     EXPECT_EQ(law.chance_of(0), 1);
     EXPECT_EQ(law.chance_of(1), 0);
-    EXPECT_EQ(LossLaw(losing(LossSettings::independent(1)), each_millisecond()).chance_of(kPackets), 1);
+    EXPECT_EQ(LossLaw(losing(LossSettings::independent(1)), each_millisecond()).chance_of(kPacketsSent), 1);
 }
 
 // Two packets: each way through the chain by hand.
