@@ -15,10 +15,10 @@
 
 namespace thimble {
 
-// Twice the 1 kHz of the experiments; what comes faster is coalesced.
+// Commands of one dead time at the shortest sample period of a session; what comes faster is coalesced.
 inline std::size_t ring_size(Duration dead_time) {
-    const auto in_flight = static_cast<std::size_t>(dead_time / std::chrono::milliseconds{1});
-    return std::bit_ceil(2 * in_flight + 8);
+    const auto in_flight = static_cast<std::size_t>(dead_time / std::chrono::microseconds{100});
+    return std::bit_ceil(in_flight + 8);
 }
 
 class SimulatedActuator final : public FingertipActuator {

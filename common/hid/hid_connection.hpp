@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <string_view>
 
 #include <boost/core/noncopyable.hpp>
 #include <fmt/format.h>
@@ -26,6 +27,8 @@ class HidUser : boost::noncopyable {
                         std::string& trouble) = 0;
     // Reads and writes for some milliseconds. False: it is gone.
     virtual bool turn(SessionTime now, HidLink& link) = 0;
+    // Asked after each turn: what is wrong with the device and what to do, for the log; empty: nothing.
+    virtual std::string_view complaint() const { return {}; }
     // After attach() and before the next one: the device is gone, or the node has ended.
     virtual void detach() = 0;
 };
@@ -45,7 +48,11 @@ class HidConnection {
     Duration step(SessionTime now) {
         if (!link_) look();
         if (!link_) return kLookAgain;
-        if (user_.turn(now, *link_)) return Duration::zero();
+        if (user_.turn(now, *link_)) {
+            if (const auto words = user_.complaint(); !words.empty())
+                tell(fmt::format("{} {}", device_, words));
+            return Duration::zero();
+        }
         user_.detach();
         link_.reset();
         tell(fmt::format("{} is gone: plug it in again; thimble looks for it once a second", device_));

@@ -9,7 +9,7 @@ namespace thimble {
 namespace {
 
 constexpr Duration kBoardRead = std::chrono::milliseconds{1};  // a command waits no longer for a status
-constexpr Duration kOwnStall = std::chrono::milliseconds{20};  // between turns: no silence of the board's
+constexpr Duration kOwnStall = std::chrono::milliseconds{20};  // between turns or looks: not the board's
 constexpr std::uint8_t kNoTrouble = 0;
 
 bool is_board(const HidDevice& device) {
@@ -51,21 +51,40 @@ void BoardActuator::say(SessionTime now, bool press, Finger finger, double force
     command_.store({{sequence_, press, finger == Finger::kIndex ? force_mN : std::uint16_t{0},
                      finger == Finger::kThumb ? force_mN : std::uint16_t{0}}},
                    std::memory_order_release);
+    look(now);
+}
+
+// Counts the time without a sign of life itself: the thread may stand in a write.
+void BoardActuator::look(SessionTime now) {
+    const Duration passed = now - from_nanoseconds(loop_seen_ns_.load(std::memory_order_relaxed));
+    const std::uint32_t signs = signs_.load(std::memory_order_acquire);
+    if (signs != signs_seen_) {
+        signs_seen_ = signs;
+        waited_ = Duration::zero();
+    } else if (passed <= kOwnStall) {
+        waited_ += passed;
+    }
     loop_seen_ns_.store(to_nanoseconds(now), std::memory_order_release);
 }
 
+bool BoardActuator::silent() const {
+    return waited_ >= kSilence && signs_.load(std::memory_order_acquire) == signs_seen_;
+}
+
 FingertipForce BoardActuator::output(SessionTime now) {
-    loop_seen_ns_.store(to_nanoseconds(now), std::memory_order_release);
+    look(now);
     const BoardFelt felt = felt_.load(std::memory_order_acquire);
     const double index_N = 1e-3 * felt.index_mN, thumb_N = 1e-3 * felt.thumb_mN;
     const SessionTime sample_time = commanded_[felt.sequence];
     const double strongest_N = std::max(index_N, thumb_N);
-    if (strongest_N == 0) return {Finger::kNone, 0, sample_time};
+    if (strongest_N == 0 || silent()) return {Finger::kNone, 0, sample_time};
     return {index_N >= thumb_N ? Finger::kIndex : Finger::kThumb, strongest_N, sample_time};
 }
 
 std::string_view BoardActuator::fault() const {
-    return kTroubles.at(felt_.load(std::memory_order_acquire).trouble);
+    const std::uint8_t trouble = felt_.load(std::memory_order_acquire).trouble;
+    const bool unnoticed = trouble == kNoTrouble && silent();
+    return kTroubles.at(unnoticed ? static_cast<std::uint8_t>(Trouble::kSilent) : trouble);
 }
 
 // A board that does not press, or is in trouble, presses nothing, whatever its sensors say.
@@ -102,7 +121,10 @@ bool BoardActuator::attach(const HidDevice& /*device*/, std::span<const std::uin
 }
 
 bool BoardActuator::turn(SessionTime now, HidLink& link) {
-    if (fresh_) heard_ = turned_ = now;  // from now on it is expected to speak
+    if (fresh_) {
+        turned_ = now;
+        hear(now);  // from now on it is expected to speak
+    }
     fresh_ = false;
     if (now - turned_ > kOwnStall) heard_ += now - turned_;
     turned_ = now;
@@ -116,17 +138,22 @@ bool BoardActuator::turn(SessionTime now, HidLink& link) {
     return true;
 }
 
+void BoardActuator::hear(SessionTime now) {
+    heard_ = now;
+    signs_.fetch_add(1, std::memory_order_release);
+}
+
 void BoardActuator::take(SessionTime now, std::span<const std::uint8_t> report) {
     if (const auto status = decode_board_status(report)) {
         // An unchanged report after new commands means that the board hangs.
         const std::uint8_t told = written_.sequence;
-        if (status->sequence == told || status->sequence != echoed_) heard_ = now;
+        if (status->sequence == told || status->sequence != echoed_) hear(now);
         echoed_ = status->sequence;
         if (now - heard_ >= kSilence) return;
         return publish(*status, static_cast<std::uint8_t>(status->fault));
     }
     if (is_of_another_version(report)) {
-        heard_ = now;
+        hear(now);
         return publish({}, static_cast<std::uint8_t>(Trouble::kOtherVersion));
     }
     bad_reports_.fetch_add(1, std::memory_order_relaxed);

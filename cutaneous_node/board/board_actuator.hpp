@@ -2,7 +2,8 @@
 // device's thread (HidConnection) writes the newest command and reads statuses.
 //
 // No force outlives its sender: the board goes slack by itself 50 ms after the last good command, and the thread stops
-// asking it to press once the node's loop has been silent for kLoopSilence.
+// asking it to press once the node's loop has been silent for kLoopSilence. A board that hangs may keep the thread in a
+// write for seconds, so the loop watches for the board's silence too.
 #pragma once
 
 #include <array>
@@ -56,6 +57,9 @@ class BoardActuator final : public FingertipActuator, public HidUser {
     enum class Trouble : std::uint8_t { kAbsent = 7, kSilent, kOtherVersion };
 
     void say(SessionTime now, bool press, Finger finger, double force_N);
+    void look(SessionTime now);
+    bool silent() const;
+    void hear(SessionTime now);
     void take(SessionTime now, std::span<const std::uint8_t> report);
     bool write(SessionTime now, HidLink& link);
     void publish(const BoardStatus& status, std::uint8_t trouble);
@@ -65,10 +69,13 @@ class BoardActuator final : public FingertipActuator, public HidUser {
     // Of the loop.
     std::uint8_t sequence_ = 0;
     std::array<SessionTime, 256> commanded_{};  // by sequence
+    std::uint32_t signs_seen_ = 0;
+    Duration waited_{};  // for the next sign of life, without the loop's own stalls
     // Between both.
     std::atomic<BoardTold> command_{};
     std::atomic<BoardFelt> felt_{};
     std::atomic<std::int64_t> loop_seen_ns_{0};
+    std::atomic<std::uint32_t> signs_{0};  // of the board's life
     std::atomic<std::uint64_t> bad_reports_{0};
     // Of the thread.
     SessionTime heard_{}, turned_{}, written_at_{};

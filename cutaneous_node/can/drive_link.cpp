@@ -15,6 +15,7 @@ constexpr int kDoubtfulResets = 3;
 // The answers that wait after a pause of 0.1 s at 1 kHz. Late answers are no second device.
 constexpr std::int64_t kMostOwed = 128;
 constexpr std::uint32_t kNotValid = 0x80000000U;  // bit 31 of a PDO's identifier
+constexpr std::uint32_t kNoRtr = 0x40000000U;     // bit 30 of a TPDO's: drives without remote frames refuse 0
 
 std::uint32_t milliseconds_of(Duration duration) {
     return static_cast<std::uint32_t>(std::clamp<std::int64_t>(duration / milliseconds{1}, 1, 65535));
@@ -55,7 +56,8 @@ void DriveLink::plan() {
 // In the order CiA 301 asks for: off, no entries, entries, their number, when, on.
 void DriveLink::plan_mapping() {
     const bool position = settings_->mode == DriveMode::kSyncPosition;
-    const std::uint32_t receive = cob(CobBase::kReceive1, node_), transmit = cob(CobBase::kTransmit1, node_);
+    const std::uint32_t receive = cob(CobBase::kReceive1, node_),
+                        transmit = cob(CobBase::kTransmit1, node_) | kNoRtr;
     write("RPDO1 off", {0x1400, 1}, receive | kNotValid, 4);
     write("RPDO1 cleared", {0x1600, 0}, 0, 1);
     write("RPDO1 controlword", {0x1600, 1}, mapped(0x6040, 16), 4);
@@ -246,7 +248,9 @@ void DriveLink::tick(SessionTime now, CanBus& bus) {
             if (now - asked_ >= kAskAgain) ask(now, bus);
             return;
         case Stage::kStart:
-            if (passed > settings_->answer_limit) return fail(DriveFaultKind::kNoAnswer, 0, "start (NMT)");
+            // The answer is a heartbeat, which comes when it is due.
+            if (passed > std::max(settings_->answer_limit, settings_->silent_after))
+                return fail(DriveFaultKind::kNoAnswer, 0, "start (NMT)");
             if (now - asked_ < kAskAgain) return;
             asked_ = now;
             bus.send(network_frame(NetworkCommand::kStart, node_));

@@ -38,7 +38,7 @@ void DriveEmulator::on_frame(SessionTime now, const CanFrame& frame, CanBus& bus
     advance(now);
     if (to_reset) return on_network(now, frame, bus);
     if (frame.id == cob(CobBase::kSync)) return on_sync(bus);
-    if (frame.id == cob(CobBase::kSdoRequest, node_)) return on_sdo(frame, bus);
+    if (frame.id == cob(CobBase::kSdoRequest, node_)) return on_sdo(now, frame, bus);
     if (frame.id == dictionary_.get({0x1400, 1})) return on_target(frame, bus);
     const std::uint32_t master = dictionary_.get({0x1016, 1}) >> 16U & 0x7fU;
     if (master != 0 && frame.id == cob(CobBase::kHeartbeat, static_cast<std::uint8_t>(master)))
@@ -50,7 +50,6 @@ void DriveEmulator::on_network(SessionTime now, const CanFrame& frame, CanBus& b
     switch (static_cast<NetworkCommand>(frame.data[0])) {
         case NetworkCommand::kStart:
             network_ = NetworkState::kOperational;
-            next_heartbeat_ = now;
             return;
         case NetworkCommand::kStop:
         case NetworkCommand::kPreOperational:
@@ -66,7 +65,7 @@ void DriveEmulator::on_network(SessionTime now, const CanFrame& frame, CanBus& b
 
 void DriveEmulator::refuse(ObjectKey key, SdoAbort why) { refused_ = Refused{key, why}; }
 
-void DriveEmulator::on_sdo(const CanFrame& frame, CanBus& bus) {
+void DriveEmulator::on_sdo(SessionTime now, const CanFrame& frame, CanBus& bus) {
     const auto request = read_sdo_request(frame);
     if (!request || request->kind == SdoKind::kAbort) return;
     Sdo answer;
@@ -75,6 +74,8 @@ void DriveEmulator::on_sdo(const CanFrame& frame, CanBus& bus) {
     } else {
         answer = dictionary_.answer(*request);
     }
+    if (answer.kind == SdoKind::kWrite && request->key == ObjectKey{0x1017, 0})
+        next_heartbeat_ = after_heartbeat(now);
     // The mode takes effect where it can be read back.
     dictionary_.set({0x6061, 0}, dictionary_.get({0x6060, 0}));
     for (int i = 0; i < (doubled_ ? 2 : 1); ++i) bus.send(sdo_reply(node_, answer));
@@ -135,12 +136,16 @@ SessionTime DriveEmulator::next_wakeup() const {
     return next;
 }
 
+SessionTime DriveEmulator::after_heartbeat(SessionTime now) const {
+    const std::uint32_t period_ms = dictionary_.get({0x1017, 0});
+    return period_ms == 0 ? kNever : now + milliseconds{period_ms};
+}
+
 void DriveEmulator::tick(SessionTime now, CanBus& bus) {
     if (silent_) return;
     advance(now);
     if (now >= next_heartbeat_) {
-        const std::uint32_t period_ms = dictionary_.get({0x1017, 0});
-        next_heartbeat_ = period_ms == 0 ? kNever : now + milliseconds{period_ms};
+        next_heartbeat_ = after_heartbeat(now);
         if (!heartbeat_off_) bus.send(heartbeat_frame(node_, network_));
     }
     if (master_heard_ != kNever &&

@@ -39,10 +39,11 @@ class DriveEmulator {
 
   private:
     void on_network(SessionTime now, const CanFrame& frame, CanBus& bus);
-    void on_sdo(const CanFrame& frame, CanBus& bus);
+    void on_sdo(SessionTime now, const CanFrame& frame, CanBus& bus);
     void on_target(const CanFrame& frame, CanBus& bus);
     void on_sync(CanBus& bus);
     void obey_objects();
+    SessionTime after_heartbeat(SessionTime now) const;
     void advance(SessionTime now);
 
     struct Refused {

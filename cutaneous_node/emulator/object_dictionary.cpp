@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::uint8_t kMostMapped = 4;
 constexpr std::uint32_t kPdoOff = 0x80000000U;
+constexpr std::uint32_t kNoRemoteFrames = 0x40000000U;
 
 // The communication object of a mapping, 0 if it is none.
 std::uint16_t communication_of(std::uint16_t index) {
@@ -49,7 +50,7 @@ ObjectDictionary::ObjectDictionary(std::uint8_t node) {
     variable({0x1017, 0}, 0, 2);
     constant({0x1018, 1}, 0);
     add_mapping(0x1400, 0x1600, cob(CobBase::kReceive1, node));
-    add_mapping(0x1800, 0x1a00, cob(CobBase::kTransmit1, node));
+    add_mapping(0x1800, 0x1a00, cob(CobBase::kTransmit1, node) | kNoRemoteFrames);
     variable({0x6007, 0}, 1, 2);
     constant({0x603f, 0}, 0, 2);
     variable({0x6040, 0}, 0, 2);
@@ -106,6 +107,8 @@ std::uint32_t ObjectDictionary::write(const Sdo& request) {
     Entry& entry = entries_.at(request.key);
     if (!entry.writable) return code(SdoAbort::kReadOnly);
     if (request.bytes != entry.bytes) return code(SdoAbort::kLength);
+    if (request.key == ObjectKey{0x1800, 1} && (request.value & kNoRemoteFrames) == 0)
+        return code(SdoAbort::kValue);  // as a drive that sends none on request
     if (const std::uint32_t abort = check_mapping(request); abort != 0) return abort;
     entry.value = request.value;
     return 0;

@@ -26,7 +26,7 @@ class MockHaply {
     std::string log() const { return read_text(folder_ / "log"); }
     // A moment may pass until the service has noticed an end.
     bool ends_with(const std::string& words) const {
-        const SessionTime end = wall_now() + std::chrono::seconds{5};
+        const SessionTime end = wall_now() + std::chrono::seconds{60};
         const auto there = [&] {
             const std::string text = log();
             return text.size() >= words.size() && text.substr(text.size() - words.size()) == words;

@@ -131,8 +131,8 @@ class HidAxes {
     std::array<HidField, kHidAxes> fields_{};
 };
 
-// Devices of the SpaceMouse family by their USB numbers. The vendors' numbers are also on mice and keyboards, so that a
-// vendor alone says nothing. From spacenavd's and PySpaceMouse's lists.
+// Devices of the SpaceMouse family by their USB numbers, and a gamepad that cannot be read. The vendors' numbers are also on
+// mice and keyboards, so that a vendor alone says nothing. From spacenavd's and PySpaceMouse's lists.
 struct HidModel {
     std::uint16_t vendor = 0, product = 0;
     std::string_view name;

@@ -11,6 +11,7 @@ namespace {
 constexpr std::size_t kLongestReport = 256;
 constexpr Duration kOneRead = std::chrono::milliseconds{100};  // the thread can be ended that often
 constexpr Duration kLongestPause = std::chrono::milliseconds{100};
+constexpr int kStrangeReports = 100;
 constexpr std::array<std::string_view, kHidAxes> kAxisNames{"x", "y", "z", "rx", "ry", "rz"};
 
 bool is_hand(const HidDevice& device) {
@@ -24,7 +25,8 @@ std::string unusable_among(const std::vector<HidDevice>& present, const HidChoic
         const auto model = find_hid_model(device.vendor, device.product);
         const bool named = (choice.vendor != 0 || !choice.serial.empty()) && choice.matches(device);
         if ((named || (model && !model->six_axes)) && !is_hand(device))
-            return fmt::format("; {} is not a SpaceMouse, joystick or gamepad", to_string(device));
+            return fmt::format("; {} is not a SpaceMouse, joystick or gamepad that can be read",
+                               to_string(device));
     }
     return "";
 }
@@ -92,6 +94,8 @@ bool HidHand::attach(const HidDevice& device, std::span<const std::uint8_t> desc
                               to_string(device), settings_.stop_button);
         return false;
     }
+    others_ = 0;
+    understood_ = find_hid_model(device.vendor, device.product).has_value();
     attachments_.fetch_add(1, std::memory_order_relaxed);
     deflection_.store(0, std::memory_order_release);
     return true;
@@ -109,14 +113,21 @@ bool HidHand::turn(SessionTime /*now*/, HidLink& link) {
             bad_reports_.fetch_add(1, std::memory_order_relaxed);
             break;
         case ReportVerdict::kTaken: {
+            understood_ = true;
             const double value = axes_.values()[settings_.axis];
             deflection_.store(settings_.inverted ? -value : value, std::memory_order_release);
             break;
         }
         case ReportVerdict::kOther:
+            if (others_ < kStrangeReports) ++others_;
             break;
     }
     return true;
+}
+
+std::string_view HidHand::complaint() const {
+    if (understood_ || others_ < kStrangeReports) return {};
+    return "sends reports without the axes that its descriptor names: connect it by cable";
 }
 
 void HidHand::detach() {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <string_view>
 
 #include "common/hid/hid_connection.hpp"
 #include "master/devices/handle_settings.hpp"
@@ -27,6 +28,8 @@ class HidHand final : public HidUser {
     bool attach(const HidDevice& device, std::span<const std::uint8_t> descriptor,
                 std::string& trouble) override;
     bool turn(SessionTime now, HidLink& link) override;
+    // Some gamepads change by Bluetooth to reports of their maker's.
+    std::string_view complaint() const override;
     void detach() override;
 
   private:
@@ -34,6 +37,8 @@ class HidHand final : public HidUser {
 
     HidHandSettings settings_;
     HidAxes axes_ = HidAxes::of_spacemouse();
+    int others_ = 0;           // reports without an axis since attach(), up to kStrangeReports
+    bool understood_ = false;  // one with an axis has come, or the model is known
     std::atomic<double> deflection_{kAbsent};
     std::atomic<bool> stop_down_{false};     // now
     std::atomic<bool> stop_pressed_{false};  // since the last take_stop()

@@ -20,6 +20,8 @@ constexpr std::array kModels{
     HidModel{0x046d, 0xc629, "SpacePilot Pro"},
     HidModel{0x046d, 0xc62b, "SpaceMouse Pro"},
     HidModel{0x046d, 0xc640, "NuLOOQ"},
+    // It would move the needle by itself: its reports have another layout than its descriptor says.
+    HidModel{0x057e, 0x2009, "Switch Pro Controller", false},
     HidModel{0x256f, 0xc62c, kNoHand, false},
     HidModel{0x256f, 0xc62e, "SpaceMouse Wireless (cable)"},
     HidModel{0x256f, 0xc62f, "SpaceMouse Wireless (receiver)"},

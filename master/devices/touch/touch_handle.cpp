@@ -21,7 +21,7 @@ constexpr Duration kLastCall = std::chrono::milliseconds{200};
 }  // namespace
 
 TouchDevice::TouchDevice(const TouchSettings& settings, double force_limit_N)
-    : library_(settings.library), hd_(library_.call()), most_N_(force_limit_N) {
+    : library_(settings.library), hd_(library_.call()), most_N_(force_limit_N), axis_(settings.axis.axis) {
     open(settings);
     hd_.enable(kHdForceOutput);
     scheduled_ = hd_.schedule(&TouchDevice::servo, this, kServoPriority);
@@ -126,12 +126,17 @@ DeviceVector TouchDevice::read_position_m() {
     return position;
 }
 
-// Limits the force to what the device allows: the library reports more as an error.
+// Limits the force to what the device allows: the library reports more as an error. The lateral force gives way, because
+// read() says what is applied along the axis.
 void TouchDevice::push(const DeviceVector& force_N) {
-    const double length_N =
-        std::sqrt(force_N[0] * force_N[0] + force_N[1] * force_N[1] + force_N[2] * force_N[2]);
-    const double scale = length_N > most_N_ ? most_N_ / length_N : 1;
-    const DeviceVector cut_N{scale * force_N[0], scale * force_N[1], scale * force_N[2]};
+    const double axial_N = std::clamp(force_N[axis_], -most_N_, most_N_);
+    double lateral_squared = 0;
+    for (std::size_t i = 0; i < 3; ++i) lateral_squared += i == axis_ ? 0.0 : force_N[i] * force_N[i];
+    const double lateral_N = std::sqrt(lateral_squared),
+                 room_N = std::sqrt((most_N_ - axial_N) * (most_N_ + axial_N));
+    const double scale = lateral_N > room_N ? room_N / lateral_N : 1;
+    DeviceVector cut_N{scale * force_N[0], scale * force_N[1], scale * force_N[2]};
+    cut_N[axis_] = axial_N;
     hd_.set_doubles(kHdForce, cut_N.data());
 }
 

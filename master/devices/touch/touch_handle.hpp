@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <memory>
 
 #include "master/devices/handle.hpp"
@@ -41,6 +42,7 @@ class TouchDevice : boost::noncopyable {
     HdLibrary library_;
     const HdFunctions& hd_;
     double most_N_;
+    std::size_t axis_;  // of the device, the needle's
     unsigned device_ = kHdNoDevice;
     unsigned long scheduled_ = 0;
     std::string name_;

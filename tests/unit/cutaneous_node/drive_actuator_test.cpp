@@ -24,6 +24,7 @@ TEST(DriveActuator, BringsTwelveDrivesUpAndTheirCablesTaut) {
     for (std::size_t i = 0; i < 12; ++i) {
         EXPECT_EQ(bench.drives.drive(i).state(), DriveState::kOperationEnabled);
         EXPECT_NEAR(bench.drives.drive(i).plant().tension_N(), 0.03, 0.005) << i;
+        EXPECT_EQ(bench.drives.drive(i).object({0x1800, 1}), 0x40000181U + i) << "no remote frames";
     }
     EXPECT_EQ(bench.actuator.output(bench.now).finger, Finger::kNone);
 }
@@ -44,6 +45,12 @@ TEST(DriveActuator, PressesTheFingerThatIsAskedForAndSaysWhatIsMeasured) {
     bench.run(milliseconds{200});
     EXPECT_EQ(bench.actuator.output(bench.now).finger, Finger::kNone);
     EXPECT_EQ(bench.fault(), "");
+}
+
+// A heartbeat each 3.3 s is the answer to the start.
+TEST(DriveActuator, ADriveWithASlowHeartbeatIsWaitedFor) {
+    const ReadyDrives bench("silent_after_s = 10");
+    EXPECT_GT(bench.now, SessionTime{seconds{3}});
 }
 
 // A finger is released. In every third millisecond of that both processes, or the drives alone, stand still for 90

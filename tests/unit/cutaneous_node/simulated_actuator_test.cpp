@@ -152,6 +152,13 @@ TEST(SimulatedActuator, ReleaseForgetsWhatIsPressedAndInFlight) {
     }
 }
 
+TEST(SimulatedActuator, FollowsEachCommandOfTheShortestSamplePeriod) {
+    SimulatedActuator actuator{CutaneousSettings{}};
+    for (int i = 0; i < 1000; ++i) actuator.command(at(microseconds{100 * i}), Finger::kIndex, 1e-3 * i);
+    EXPECT_EQ(actuator.coalesced(), 0U);
+    EXPECT_EQ(actuator.output(at(microseconds{99'900})).force_N, 1e-3 * 549) << "of 45 ms before";
+}
+
 TEST(SimulatedActuator, CoalescesWhenCommandsComeTooFast) {
     SimulatedActuator actuator{CutaneousSettings{}};
     const std::uint64_t allocations_before = test::allocation_count();

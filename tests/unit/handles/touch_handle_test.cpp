@@ -58,11 +58,22 @@ TEST_F(Touch, IsReadAndPushedAndEndsWithoutForce) {
     EXPECT_THAT(log(), EndsWith("force 0.00 0.00 0.00\nstop\ndisable\ndisable device\n"));
 }
 
+// The line is x, through 0 because no position was read before: the hand is 10 mm beside it, and 4 N would draw it back.
+TEST_F(Touch, TheForceAlongTheAxisComesBeforeThatBesideIt) {
+    script("z 0.01\n");
+    settings_.axis.axis = 0;
+    settings_.axis.lateral = LateralHold::kVirtual;
+    LiveHandle handle(open());
+    handle.begin();
+    EXPECT_TRUE(handle.push(2, [&] { return logs("force 2.00 0.00 -2.62"); })) << log();
+    EXPECT_TRUE(handle.push(50, [&] { return logs("force 3.30 0.00 "); })) << log();
+}
+
 TEST_F(Touch, AMasterThatHangsCostsTheForce) {
     LiveHandle handle(open());
     handle.begin();
     EXPECT_TRUE(handle.push(2, [&] { return logs(" 2.00\n"); }));
-    const SessionTime end = wall_now() + std::chrono::seconds{5};
+    const SessionTime end = wall_now() + std::chrono::seconds{60};
     while (log().substr(log().rfind("force")) != "force 0.00 0.00 0.00\n" && wall_now() < end)
         wall_sleep(std::chrono::milliseconds{1});
     EXPECT_THAT(log(), EndsWith("force 0.00 0.00 0.00\n"));

@@ -175,6 +175,24 @@ TEST_F(BoardActuatorTest, AStallOfThisComputerIsNoSilenceOfTheBoard) {
     EXPECT_THAT(actuator.fault(), HasSubstr("no valid report"));
 }
 
+TEST_F(BoardActuatorTest, AWriteThatTheBoardDoesNotTakeIsSilence) {
+    board_presses();
+    actuator.output(now);
+    actuator.output(now += milliseconds{500});  // the loop's own stall
+    const auto loop_goes_on = [&](int times) {  // while the thread waits for the board
+        for (int i = 0; i < times; ++i) actuator.output(now += milliseconds{1});
+    };
+    loop_goes_on(99);
+    EXPECT_THAT(actuator.fault(), IsEmpty());
+    EXPECT_GT(actuator.output(now).force_N, 0);
+    loop_goes_on(1);
+    EXPECT_THAT(actuator.fault(), HasSubstr("no valid report for 100 ms"));
+    EXPECT_EQ(actuator.output(now).force_N, 0);
+    board_presses();
+    EXPECT_THAT(actuator.fault(), IsEmpty());
+    EXPECT_GT(actuator.output(now).force_N, 0);
+}
+
 TEST_F(BoardActuatorTest, GarbledReportsAreNoSignOfLife) {
     for (int i = 0; i < 120; ++i) cable.said.push_back({2, 1, 0, 1, 0xff, 0xff, 0, 0, 0, 0});
     turn(milliseconds{120});

@@ -145,6 +145,7 @@ TEST(HidModels, MiceAndStrangersAreNone) {
     EXPECT_TRUE(find_hid_model(0x046d, 0xc626)->six_axes);
     EXPECT_TRUE(find_hid_model(0x256f, 0xc635)->six_axes);
     EXPECT_FALSE(find_hid_model(0x256f, 0xc650)->six_axes);
+    EXPECT_FALSE(find_hid_model(0x057e, 0x2009)->six_axes);
     EXPECT_FALSE(find_hid_model(0x046d, 0xc077));  // a mouse of the vendor's
 }
 
@@ -164,6 +165,7 @@ TEST(HidModels, EachHasItsUdevRule) {
         }
     }
     EXPECT_EQ(known, 22);
+    EXPECT_EQ(rules.find("057E:2009"), std::string::npos) << "no hand";
 }
 
 }  // namespace

@@ -96,15 +96,18 @@ TEST_F(HidAttendantTest, WhatIsNotTakenIsNamed) {
         std::vector<HidDevice> present;
         const char* words;
     };
-    for (const Case& c : {Case{{compact_cap("/dev/hidraw0", "A1"), compact_cap("/dev/hidraw1", "B2")},
-                               "/dev/hidraw1: name one in [handle.hid] device_id or serial"},
-                          Case{{mouse}, "CadMouse (256f:c650) at /dev/hidraw0 is not a SpaceMouse"},
-                          Case{{pad}, "has no axis y: choose another in [handle.hid] axis"}}) {
+    for (const Case& c :
+         {Case{{compact_cap("/dev/hidraw0", "A1"), compact_cap("/dev/hidraw1", "B2")},
+               "/dev/hidraw1: name one in [handle.hid] device_id or serial"},
+          Case{{mouse}, "CadMouse (256f:c650) at /dev/hidraw0 is not a SpaceMouse"},
+          Case{{{"/dev/hidraw0", "Pro", "", 0x057e, 0x2009, 1, kGamepadUsage}},
+               "Pro (057e:2009) at /dev/hidraw0 is not a SpaceMouse, joystick or gamepad that"},
+          Case{{pad}, "has no axis y: choose another in [handle.hid] axis"}}) {
         bus.present = c.present;
         EXPECT_EQ(step(), HidConnection::kLookAgain);
         EXPECT_THAT(said.back(), HasSubstr(c.words));
     }
-    EXPECT_EQ(said.size(), 3U);
+    EXPECT_EQ(said.size(), 4U);
 }
 
 TEST_F(HidAttendantTest, SeveralEntriesOfOneDeviceAreOne) {
@@ -118,6 +121,26 @@ TEST_F(HidAttendantTest, AGamepadIsReadAsItDescribesItself) {
     cable().said = {{1, 128, 255, 128, 128, 0}};
     EXPECT_EQ(step(), Duration::zero());
     EXPECT_EQ(hand.deflection(), 1.0);
+}
+
+TEST_F(HidAttendantTest, AGamepadWhoseReportsAreItsMakersIsNamedOnce) {
+    bus.present = {{"/dev/hidraw0", "Pad", "", 0x054c, 0x0ce6, 1, kGamepadUsage}};
+    bus.descriptors["/dev/hidraw0"] = kGamepadDescriptor;
+    cable().said.assign(120, Report{0x31, 128, 255, 128, 128, 0});  // as by Bluetooth
+    for (int i = 0; i < 99; ++i) step();
+    EXPECT_EQ(said.size(), 1U);
+    for (int i = 0; i < 40; ++i) step();
+    EXPECT_THAT(said, ElementsAre(HasSubstr("is in use"), HasSubstr("0ce6) at /dev/hidraw0 sends reports")));
+    EXPECT_THAT(said.back(), HasSubstr("connect it by cable"));
+}
+
+TEST_F(HidAttendantTest, ButtonsOfAGamepadThatIsReadAreNoComplaint) {
+    bus.present = {{"/dev/hidraw0", "Pad", "", 0x054c, 0x0ce6, 1, kGamepadUsage}};
+    bus.descriptors["/dev/hidraw0"] = kGamepadDescriptor;
+    cable().said.assign(120, Report{0x31, 0});
+    cable().said.push_front({1, 128, 255, 128, 128, 0});
+    for (int i = 0; i < 130; ++i) step();
+    EXPECT_EQ(said.size(), 1U);
 }
 
 }  // namespace
