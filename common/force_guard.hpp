@@ -5,7 +5,7 @@
 // - The allowed force has the sign of the wanted one, is never larger, and lies within the limits.
 // - It grows no faster than rate_limit_N_per_s, and falls as fast as it likes. The guard counts at most one sample period of
 //   the time since the force before. So neither a silence nor a new trial allows a jump. If a device reports a smaller
-//   force than was allowed, the next one grows from that.
+//   force than was allowed, the next one grows from that. All forces of one instant grow from the force before it.
 // - A wanted force that is no number trips the guard. From then on it allows zero until clear(). A device may trip the guard
 //   for reasons of its own.
 #pragma once
@@ -41,8 +41,9 @@ class ForceGuard {
     // A trial begins: no force yet, not tripped.
     void clear(SessionTime now) {
         text_.clear();
-        given_at_ = now;
-        given_N_ = 0;
+        given_at_ = passed_at_ = now;
+        given_N_ = before_N_ = 0;
+        elapsed_ = {};
     }
 
     // The allowed force for `wanted_N`.
@@ -63,7 +64,8 @@ class ForceGuard {
 
     // The device gives this force now, which may be less than the guard allowed.
     void device_gives(double force_N) {
-        given_N_ = std::copysign(std::min(std::abs(force_N), std::abs(given_N_)), given_N_);
+        for (double* of_guard : {&given_N_, &before_N_})
+            *of_guard = std::copysign(std::min(std::abs(force_N), std::abs(*of_guard)), *of_guard);
     }
 
     // The first reason stays.
@@ -78,19 +80,28 @@ class ForceGuard {
     std::uint64_t cut() const { return cut_; }
 
   private:
+    void begin_instant(SessionTime now) {
+        passed_at_ = now;
+        before_N_ = given_N_;
+        elapsed_ = std::clamp(now - given_at_, Duration{}, limits_.sample_period);
+    }
+
     // From one sign to the other it starts at zero.
-    double limited_rate(SessionTime now, double force_N) const {
-        const double before_N = given_N_ * force_N > 0 ? std::abs(given_N_) : 0;
-        const double elapsed_s = to_seconds(std::clamp(now - given_at_, Duration{}, limits_.sample_period));
-        const double most_N = before_N + limits_.rate_limit_N_per_s * elapsed_s;
+    double limited_rate(SessionTime now, double force_N) {
+        if (now != passed_at_) begin_instant(now);
+        const double before_N = before_N_ * force_N > 0 ? std::abs(before_N_) : 0;
+        const double most_N = before_N + limits_.rate_limit_N_per_s * to_seconds(elapsed_);
         return std::copysign(std::min(std::abs(force_N), most_N), force_N);
     }
 
     ForceLimits limits_;
     std::string not_a_number_;
-    std::string text_;  // with room from the start: nothing is allocated when it trips
-    SessionTime given_at_{};
+    std::string text_;         // with room from the start: nothing is allocated when it trips
+    SessionTime given_at_{};   // the latest time, which may be later than passed_at_
+    SessionTime passed_at_{};  // of the newest force
     double given_N_ = 0;
+    double before_N_ = 0;  // given before the instant of the newest force
+    Duration elapsed_{};   // that counts for it
     std::uint64_t cut_ = 0;
 };
 

@@ -56,7 +56,10 @@ class HandleControl {
     // After a long silence, or while the needle is held: no wanted force and no known fixture. Missing waves count as
     // zero, which brakes the hand.
     void forget() { end_->forget(); }
-    double force_N() { return std::clamp(end_->force_N(), -scale_.force_limit_N, scale_.force_limit_N); }
+    // waited: since the newest force came.
+    double force_N(Duration waited = {}) {
+        return std::clamp(end_->force_N(waited), -scale_.force_limit_N, scale_.force_limit_N);
+    }
 
     const WaveBurst& burst() const { return burst_; }  // to go with the sample's command; only if waves()
     const HandleEnd* end_of_plugin() const { return end_ && !end_->file().empty() ? &*end_ : nullptr; }

@@ -16,7 +16,12 @@ MasterSettings read_master_settings(const ConfigTable& table) {
     table.read("oldest_force_s", s.oldest_force, 0, 3600,
                "Older forces count as zero; 0: the longest round-trip delay of the session's network.");
     s.velocity = read_velocity_settings(table, s.sample_period, s.position_scale);
-    return s;
+    if (s.sample_period < s.stale.after) return s;
+    table.fail(
+        table.has("stale_after_s") ? "stale_after_s" : "sample_period_s",
+        "lets each force go stale before the next sample: sample_period_s is {:g}, stale_after_s {:g}; "
+        "use a shorter period, or a longer stale_after_s",
+        to_seconds(s.sample_period), to_seconds(s.stale.after));
 }
 
 MasterSettings read_master_settings(const ConfigFile& file, const GuardSettings& guard) {
@@ -92,9 +97,10 @@ NeedleCommand MasterNode::sample(SessionTime now, const HandleSample& handle) {
 }
 
 std::optional<double> MasterNode::force_at_sample_N(SessionTime now) {
-    if (fill_.predicts() && control_.present()) control_.predict(fill_.at(now), heard_age_ + (now - heard_));
-    if (control_.active()) return share(now) * control_.force_N();
-    if (!fill_.predicts()) return std::nullopt;
+    const bool predicts = fill_.predicts();
+    if (predicts && control_.present()) control_.predict(fill_.at(now), heard_age_ + (now - heard_));
+    if (control_.active()) return share(now) * control_.force_N(predicts ? Duration{} : now - heard_);
+    if (!predicts) return std::nullopt;
     asked_force_N_ = handle_force_N(fill_.at(now));
     return share(now) * asked_force_N_;
 }

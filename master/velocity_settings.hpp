@@ -20,7 +20,8 @@ inline VelocitySettings read_velocity_settings(const ConfigTable& table, Duratio
     v.window = std::max(v.window, sample_period);
     v.quantum_m = position_scale * kEncoderStep_hand_m;
     table.read("velocity_estimator", v.method, kVelocityMethodNames,
-               "Method that estimates the needle's velocity (docs/speed.md).");
+               "Method that estimates the needle's velocity (docs/speed.md). In HF with a controller of two "
+               "ends (wave, two-port, four-channel) the tissue follows slave_sim's own estimate.");
     const auto only = [&](std::vector<std::string_view> users) {
         const std::string_view chosen = kVelocityMethodNames[static_cast<std::size_t>(v.method)];
         return table.only_with("velocity_estimator", chosen, std::move(users));

@@ -74,6 +74,17 @@ void require_one_end(const ConfigFile& file, const SlaveSettings& s) {
                                "another one, or [slave_sim] device = \"simulated\"");
 }
 
+void require_frequent_samples(const ConfigFile& file, const SlaveSettings& s) {
+    const Duration period = s.control.scale.sample_period;
+    if (period < s.stale_after) return;
+    const bool own = file.table("slave_sim").has("stale_after_s");
+    file.table(own ? "slave_sim" : "master")
+        .fail(own ? "stale_after_s" : "sample_period_s",
+              "holds the needle before each sample: [master] sample_period_s is {:g}, [slave_sim] "
+              "stale_after_s {:g}; use a shorter period, or a longer stale_after_s",
+              to_seconds(period), to_seconds(s.stale_after));
+}
+
 }  // namespace
 
 double SlaveSettings::fixture_position_m() const {
@@ -106,6 +117,7 @@ SlaveSettings read_slave_settings(const ConfigFile& file) {
     own.read("longest_step_s", s.longest_step, 0.001, 10,
              "Longest gap between samples within one contact; after a longer one contact begins again.");
     read_scaling(file.table("master"), s.control.scale);
+    require_frequent_samples(file, s);
     s.control.control = read_control_settings(file);
     read_robot(own.table("ros2"), s);
     require_one_end(file, s);

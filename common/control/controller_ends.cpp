@@ -117,7 +117,11 @@ void HandleEnd::forget() {
     call("forget", table_->forget);
 }
 
-double HandleEnd::force_N() { return finite_or(calls_("force", table_->force, self_, &newest_), 0); }
+double HandleEnd::force_N(Duration waited) {
+    thimble_feedback aged = newest_;
+    if (aged.known != 0) aged.age_s += to_seconds(waited);
+    return finite_or(calls_("force", table_->force, self_, &aged), 0);
+}
 
 SlaveEnd::SlaveEnd(const ControlSettings& settings, const HandleControlScale& scale)
     : ControllerEnd(settings, scale, &thimble_controller::create_slave, &thimble_controller::destroy_slave) {}

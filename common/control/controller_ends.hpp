@@ -73,7 +73,8 @@ class HandleEnd final : public ControllerEnd {
     // For force_N() alone: a controller learns from received forces only.
     void predict(const thimble_feedback& feedback) { newest_ = feedback; }
     void forget();
-    double force_N();  // 0 for what is no number
+    // waited: since the newest force came. 0 for what is no number.
+    double force_N(Duration waited = {});
 
   private:
     thimble_feedback newest_{};

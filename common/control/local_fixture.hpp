@@ -55,15 +55,18 @@ class LocalFixture {
         known_ = true;
     }
 
-    // The spring's force for this position of the hand; call it once per sample.
+    // Once per sample, before its forces: each moves the plane by at most one step from where it is now.
+    void next_sample() { from_m_ = rendered_m_; }
+
+    // The spring's force for this position of the hand.
     double force_N(double position_hand_m) {
         if (!known_ || !std::isfinite(position_hand_m)) return 0;
         const double step_m = settings_.shift_m_per_s * settings_.sample_period_s;
         if (!rendered_) {
-            rendered_m_ = std::max(position_m_, position_hand_m);
+            from_m_ = rendered_m_ = std::max(position_m_, position_hand_m);
             rendered_ = true;
         } else {
-            rendered_m_ += std::clamp(position_m_ - rendered_m_, -step_m, step_m);
+            rendered_m_ = from_m_ + std::clamp(position_m_ - from_m_, -step_m, step_m);
         }
         return stiffness_N_per_m_ * std::max(0.0, position_hand_m - rendered_m_);
     }
@@ -98,6 +101,7 @@ class LocalFixture {
     Means means_;
     bool known_ = false, rendered_ = false;
     double stiffness_N_per_m_, position_m_ = 0, rendered_m_ = 0;
+    double from_m_ = 0;  // rendered when the sample began
 };
 
 }  // namespace thimble

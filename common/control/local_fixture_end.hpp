@@ -41,6 +41,7 @@ class LocalFixtureEnd {
     }
     void sample(const thimble_handle& handle, thimble_packet& /*out*/) {
         position_hand_m_ = handle.position_hand_m;
+        fixture_.next_sample();
     }
     void receive(const thimble_feedback& feedback) {
         fixture_.learn(feedback.position_hand_m, feedback.force_fixture_hand_N);

@@ -155,8 +155,9 @@ constexpr std::array kWaveKeys{
                            "Damping of the slave."},
     thimble_controller_key{"wave_reconstruction", static_cast<double>(kByDefault.channel.reconstruction), 0,
                            3, "Replacement for waves that are lost or late."},
-    thimble_controller_key{"wave_repeats", double{kByDefault.channel.repeats}, 0,
-                           double{WaveBurst::kMost - 1}, "Number of earlier waves that each packet repeats."},
+    thimble_controller_key{
+        "wave_repeats", double{kByDefault.channel.repeats}, 0, double{WaveBurst::kMost - 1},
+        "Number of earlier waves that each packet repeats; an overtaken packet counts as lost."},
     thimble_controller_key{"wave_jitter_s", to_seconds(kByDefault.jitter), 0, 1,
                            "Extra time of the play-out buffer, beyond the network's delay."}};
 constexpr std::array kTwoPortKeys{kMostDamping};

@@ -87,8 +87,8 @@ class ForceGate {
         if (feedback.phase != sent.phase || feedback.fixture_present != sent.fixture_present ||
             feedback.needle_held != sent.needle_held)
             return true;
-        if (settings_.force == HapticCodec::kEveryNth)
-            return feedback.echo_time - sent.echo_time >= settings_.every * period_;
+        if (settings_.force == HapticCodec::kEveryNth)  // stamps jitter
+            return feedback.echo_time - sent.echo_time >= settings_.every * period_ - period_ / 2;
         return !(std::abs(feedback.force_total_N - there_N(feedback)) <= width_N());
     }
     double there_N(const ForceFeedback& feedback) const {

@@ -139,9 +139,10 @@ std::string grid_text(const MapGrid& g) {
         "{}\n",
         fmt::join(g.compensators, " "), fmt::join(g.jitters_s, " "), fmt::join(g.losses, " "), g.mean_burst,
         fmt::join(g.delays_s, " "), fmt::join(g.stiffness_N_per_m, " "), g.full_stiffness_N_per_m);
-    text +=
-        fmt::format("step {} s, press {} N, limit {} N, encoder {} m, friction {} N\nseed {}, trials {}\n",
-                    g.step_s, g.press_N, g.force_limit_N, g.encoder_step_m, g.friction_N, g.seed, g.trials);
+    if (g.who == MapOperator::kPassive)
+        text += fmt::format("step {} s, press {} N, limit {} N, encoder {} m, friction {} N\n", g.step_s,
+                            g.press_N, g.force_limit_N, g.encoder_step_m, g.friction_N);
+    text += fmt::format("seed {}, trials {}\n", g.seed, g.trials);
     if (g.config.empty()) return text;
     return text + session_text(load_system_settings(g.config));
 }

@@ -34,7 +34,7 @@ MapGrid grid_of(const SweepArguments& a) {
     MapGrid grid = a.rest;
     const bool person = a.who == "virtual";
     grid.who = person ? MapOperator::kVirtual : MapOperator::kPassive;
-    if (person && (a.own_hand.mass_kg > 0 || a.hands != std::vector<std::string>{"D"}))
+    if (person && (a.own_mass_kg || a.hands != std::vector<std::string>{"D"}))
         throw Error(
             ExitCode::kUsage,
             "--operator virtual uses the hand of the session's [operator]: leave out --hand and --mass-kg");
@@ -48,8 +48,8 @@ MapGrid grid_of(const SweepArguments& a) {
     }
     if (person) {
         grid.hands = {{"virtual", {1, 0, 0}}};
-    } else if (a.own_hand.mass_kg != 0) {
-        grid.hands = {{"own", a.own_hand}};
+    } else if (a.own_mass_kg) {
+        grid.hands = {{"own", {*a.own_mass_kg, a.own_hand.damping_Ns_per_m, a.own_hand.stiffness_N_per_m}}};
     } else {
         for (const std::string& letter : a.hands) grid.hands.push_back(named_hand(letter));
     }

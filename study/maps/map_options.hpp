@@ -14,8 +14,9 @@ namespace thimble {
 
 struct SweepArguments {
     std::vector<std::string> hands{"D"},
-        compensators;   // no compensators: the session's modalities, else "none"
-    HeldMass own_hand;  // a mass above 0: instead of `hands`
+        compensators;                   // no compensators: the session's modalities, else "none"
+    std::optional<double> own_mass_kg;  // with the rest of own_hand: instead of `hands`
+    HeldMass own_hand;
     std::string delays, stiffness, gain, jitters = "0", losses = "0", who = "passive";
     std::string session, out;
     std::optional<std::uint64_t> seed;

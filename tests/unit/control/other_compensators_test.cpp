@@ -72,7 +72,9 @@ TEST(LocalFixture, AnEstimateDoesNotThrowTheHand) {
     EXPECT_EQ(before_N, 0) << "the plane starts at the hand";
     for (int i = 0; i < 500; ++i) {
         if (i == 200) fixture.learn(-0.5, 3);
-        const double now_N = fixture.force_N(0.060);
+        fixture.next_sample();
+        fixture.force_N(0.060);
+        const double now_N = fixture.force_N(0.060);  // an answer in the sample's own instant
         EXPECT_LE(now_N - before_N,
                   fixture.stiffness_N_per_m() * settings.shift_m_per_s * settings.sample_period_s * 1.0001);
         before_N = now_N;
@@ -86,6 +88,7 @@ TEST(LocalFixture, HoldsTheHandAtEveryDelayWithTheTrueStiffness) {
         const Controller controller = [&, there = DelayLine(delay), fixture](double x_m, double) mutable {
             const double then_m = there.pass(x_m);
             fixture->learn(then_m, hand.wall_N_per_m * std::max(then_m, 0.0));
+            fixture->next_sample();
             return std::min(fixture->force_N(x_m), hand.limit_N);
         };
         const LoopResult result = run_loop(hand, controller, 8000);

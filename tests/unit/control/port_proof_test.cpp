@@ -17,7 +17,7 @@ namespace thimble {
 namespace {
 
 constexpr double kTickProof_s = 1e-3;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 RandomStream draws(std::uint32_t run) { return RandomStream({77, 9, run, 0, Purpose::kParameter}); }
 
@@ -41,7 +41,7 @@ double travel_m(Motion motion, double force_N, double damping_Ns_per_m, int tick
 
 // Wishes: noise, a bang against the motion it foresees, nothing that is a number.
 double wish_N(int kind, double coming_m, RandomStream& random) {
-    if (random.uniform() < 0.01) return kNaN;
+    if (random.uniform() < 0.01) return kNoNumber;
     if (kind == 0) return random.uniform(-100, 100);
     return coming_m > 0 ? -100 : 100;
 }
@@ -54,7 +54,7 @@ double least_J(PortCompensator& compensator, Motion motion, int requests, double
     for (int tick = 0; tick < 1500; ++tick) {
         port.add(position_m, force_N);
         least = std::min(least, port.energy_in_J() + dissipated_J);
-        compensator.observe(kTickProof_s, gaps && random.uniform() < 0.02 ? kNaN : position_m, force_N);
+        compensator.observe(kTickProof_s, gaps && random.uniform() < 0.02 ? kNoNumber : position_m, force_N);
         const double guessed_m = travel_m(motion, 1, damping_Ns_per_m, tick, random);
         force_N = compensator.force_N(wish_N(requests, guessed_m, random));
         const double step_m = motion == Motion::kSine || motion == Motion::kRandom
@@ -127,10 +127,10 @@ TEST(PortProof, WithoutDeviceDampingOrANumberThereIsNoForce) {
         }
         EXPECT_EQ(undamped->force_N(5), 0);
         EXPECT_GT(compensator->force_N(5), 1);
-        EXPECT_EQ(compensator->force_N(kNaN), compensator->force_N(0));
-        compensator->observe(kTickProof_s, kNaN, 5);
+        EXPECT_EQ(compensator->force_N(kNoNumber), compensator->force_N(0));
+        compensator->observe(kTickProof_s, kNoNumber, 5);
         EXPECT_EQ(compensator->force_N(5), 0);
-        compensator->observe(kNaN, 1e-2, 0);
+        compensator->observe(kNoNumber, 1e-2, 0);
         EXPECT_EQ(compensator->force_N(5), 0);
         compensator->observe(kTickProof_s, 2e-2, 0);
         EXPECT_EQ(compensator->refused(), 3U);

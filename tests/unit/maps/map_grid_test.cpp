@@ -67,6 +67,17 @@ TEST(MapGrid, WhatNoCellCouldBeMadeOfIsRefused) {
     refused([](MapGrid& g) { g.stiffness_N_per_m = {0}; });
     refused([](MapGrid& g) { g.hands[0].hand.mass_kg = 0; });
     EXPECT_THROW(named_hand("F"), Error);
+    SweepArguments massless;
+    massless.own_mass_kg = 0;
+    EXPECT_THROW(grid_of(massless), Error);
+}
+
+// The virtual operator's session says how it presses on which handle.
+TEST(MapGrid, ThePressIsAPassiveHands) {
+    MapGrid grid = small_grid();
+    EXPECT_NE(grid_text(grid).find(", press 5 N, "), std::string::npos);
+    grid.who = MapOperator::kVirtual;
+    EXPECT_EQ(grid_text(grid).find("press"), std::string::npos);
 }
 
 // Its rows would be others, so --resume refuses it.

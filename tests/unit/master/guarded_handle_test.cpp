@@ -157,6 +157,7 @@ TEST(GuardedHandle, AForceGrowsNoFasterThanAllowedAndFallsAtOnce) {
     Guarded guarded("force_rate_limit_N_per_s = 1000");
     for (int ms = 1; ms <= 8; ++ms) EXPECT_DOUBLE_EQ(guarded.pass(ms, 8), ms);
     EXPECT_EQ(guarded.pass(8, 0.5), 0.5);
+    EXPECT_DOUBLE_EQ(guarded.pass(8, 9), 8) << "another force in the same instant";
     EXPECT_DOUBLE_EQ(guarded.pass(9, -8), -1) << "through zero, not from the other side";
     EXPECT_GT(guarded.guard.cut(), 0U);
 }
@@ -188,6 +189,8 @@ TEST(GuardedHandle, AForceGrowsFromWhatTheHandleGivesIfThatIsLess) {
     EXPECT_DOUBLE_EQ(pass_after(11, {0, 0}), -1);
     EXPECT_DOUBLE_EQ(pass_after(12, {0, -1}), -2);
     EXPECT_DOUBLE_EQ(pass_after(13, {0, -2, false}), -1) << "one that has failed gives none";
+    EXPECT_DOUBLE_EQ(pass_after(14, {0, -1}), -2);
+    EXPECT_DOUBLE_EQ(pass_after(14, {0, -0.5}), -1.5) << "in the same instant as well";
 }
 
 TEST(GuardedHandle, EnergyGivenOutTrips) {

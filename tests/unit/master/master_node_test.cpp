@@ -1,9 +1,12 @@
 // The master's logic without channels and devices: which force acts, and when.
 #include "master/master_node.hpp"
 
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "common/control/built_in_controllers.hpp"
+#include "common/error.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
@@ -81,15 +84,31 @@ class CountingEnd {
     int received_ = 0;
 };
 
+MasterSettings driven_by(const thimble_controller& table, HapticCodec force) {
+    MasterSettings settings;
+    settings.codec.force = force;
+    settings.control.compensator = Compensator::kPlugin;
+    settings.control.plugin.table = &table;
+    return settings;
+}
+
+TEST(MasterNode, AForceAgesForItsControllerWhileNoneComes) {
+    const thimble_controller table = with_memory<CountingEnd>(with_handle<CountingEnd>({}));
+    MasterNode node(driven_by(table, HapticCodec::kNone));
+    const SessionTime begin = at(std::chrono::seconds{1});
+    node.start_trial(begin, Modality::kHF, milliseconds{50});
+    EXPECT_EQ(node.force_at_sample_N(begin), 0) << "no force yet, and no age";
+    node.take(begin + milliseconds{40}, ForceFeedback{.force_total_N = -1, .echo_time = begin});
+    for (const int since_ms : {1, 30})
+        EXPECT_NEAR(node.force_at_sample_N(begin + milliseconds{40 + since_ms}).value(),
+                    1 + 1 + 0.04 + 1e-3 * since_ms, 1e-12);
+}
+
 TEST(MasterNode, APredictedForceReachesEachControllerAndIsNotReceived) {
     for (const std::uint32_t capabilities : {0U, std::uint32_t{THIMBLE_AT_ONCE}}) {
         thimble_controller table = with_memory<CountingEnd>(with_handle<CountingEnd>({}));
         table.capabilities = capabilities;
-        MasterSettings settings;
-        settings.codec.force = HapticCodec::kDeadbandLinear;
-        settings.control.compensator = Compensator::kPlugin;
-        settings.control.plugin.table = &table;
-        MasterNode node(settings);
+        MasterNode node(driven_by(table, HapticCodec::kDeadbandLinear));
         const SessionTime begin = at(std::chrono::seconds{1});
         node.start_trial(begin, Modality::kHF, milliseconds{50});
         for (const int made_ms : {0, 10}) {
@@ -101,6 +120,16 @@ TEST(MasterNode, APredictedForceReachesEachControllerAndIsNotReceived) {
             EXPECT_NEAR(node.force_at_sample_N(begin + milliseconds{50 + since_ms}).value(),
                         2 + 1.1 + 0.01 * since_ms + 0.04 + 1e-3 * since_ms, 1e-12);
     }
+}
+
+TEST(MasterSettings, RefusesASamplePeriodThatLetsEachForceGoStale) {
+    const auto stale_after = [](const std::string& keys) {
+        const ConfigFile file = ConfigFile::parse("[master]\n" + keys, "test");
+        return read_master_settings(file.table("master")).stale.after;
+    };
+    EXPECT_EQ(stale_after("sample_period_s = 0.09"), Duration{milliseconds{100}});
+    for (const char* keys : {"sample_period_s = 0.1", "stale_after_s = 0.001"})
+        EXPECT_THROW(stale_after(keys), Error) << keys;
 }
 
 TEST_F(MasterInTrial, SamplesThatWereMissedAreSkipped) {

@@ -92,6 +92,17 @@ TEST(ForceGate, SendsAtTheRefreshBoundWithoutAChange) {
     }
 }
 
+TEST(ForceGate, SendsEveryNthAnswerAlsoWhereStampsJitter) {
+    CodecSettings settings = forces_by(HapticCodec::kEveryNth);
+    settings.every = 2;
+    ForceGate gate(settings, kAnswerPeriod, true);
+    for (int i = 0; i < 20; ++i) {
+        ForceFeedback answer = force(i, -1);
+        if (i % 4 == 2) answer.echo_time -= std::chrono::microseconds(20);
+        EXPECT_EQ(gate.due(stamp_of(i), answer), i % 2 == 0) << i;
+    }
+}
+
 TEST(ForceGate, SendsWhatIsNoNumberAtOnce) {
     for (const HapticCodec codec :
          {HapticCodec::kDeadband, HapticCodec::kDeadbandLinear, HapticCodec::kSendOnDelta}) {

@@ -93,6 +93,7 @@ TEST(RemoteNeedle, RampsToTheCommandAndThenKeepsToItsSpeed) {
 
 TEST(RemoteNeedle, StaysInItsWorkspaceAndPassesOnSoMuchForce) {
     RobotLimits limits;
+    limits.shallowest_m = -0.001;
     limits.deepest_m = 0.001;
     limits.force_limit_N = 2;
     PlayedNeedle needle(limits);
@@ -103,6 +104,8 @@ TEST(RemoteNeedle, StaysInItsWorkspaceAndPassesOnSoMuchForce) {
     EXPECT_EQ(needle.force_N(), -2);
     EXPECT_EQ(needle.counted().at("outside"), 100);
     EXPECT_EQ(needle.counted().at("clipped"), 100);
+    needle.tick_for(std::chrono::seconds{1}, -0.05);
+    EXPECT_EQ(needle.told_m.back(), -0.001);
 }
 
 TEST(RemoteNeedle, SilenceOfEitherInputTakesForceThenTheTrial) {

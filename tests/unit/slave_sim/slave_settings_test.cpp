@@ -78,6 +78,8 @@ TEST(SlaveSettings, RefusesScenesThatNoTrialCanRunIn) {
              "[slave_sim]\nscene = 'no-such-scene.toml'\n",               //
              "[slave_sim]\nstale = 'zero'\n",                             // would move without a command
              "[tissue]\nmass_kg = 1e-12\n[slave_sim]\nsolver = 'rk4'\n",  // unstable
+             "[slave_sim]\nstale_after_s = 0.001\n",                      // held between two commands
+             "[master]\nsample_period_s = 0.02\n",                        //
          }) {
         EXPECT_THROW(settings_of(text), Error) << text;
     }
