@@ -1,4 +1,5 @@
 // Functions for the page's JavaScript. Only numbers and texts pass.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <emscripten.h>
@@ -34,7 +35,8 @@ constexpr std::array kFields{Field{"time_s", &LiveState::time_s},
                              Field{"hold_s", &LiveState::hold_s},
                              Field{"beeps", &LiveState::beeps},
                              Field{"trials", &LiveState::trials},
-                             Field{"hand_m", &LiveState::hand_m}};
+                             Field{"hand_m", &LiveState::hand_m},
+                             Field{"delay_s", &LiveState::delay_s}};
 
 struct Side {
     std::unique_ptr<LiveTrial> trial;  // null: a recorded one
@@ -131,9 +133,10 @@ EMSCRIPTEN_KEEPALIVE double drawn_needle_m(int side) {
     const Side& one = side_of(side);
     return one.calm ? one.calm->cut_away->position_needle_m : 0;
 }
-// A sample of a recorded trial, for draw(). Without a known fixture `fixture_m` is NaN.
+// A sample of a recorded trial, for draw(). Without a known fixture `fixture_m` is NaN. `rest_m`: the first sample's surface.
 EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_m, double fixture_m,
-                                      double tissue_N, double fixture_N, int phase, int modality) {
+                                      double tissue_N, double fixture_N, int phase, int modality,
+                                      double rest_m) {
     CutAway cut;
     cut.position_needle_m = needle_m;
     cut.position_fixture_m = fixture_m;
@@ -145,6 +148,12 @@ EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_
     Scene& scene = side_of(side).recorded;
     scene.position_needle_m = needle_m;
     scene.position_surface_m = surface_m;
+    scene.position_surface_rest_m = rest_m;
+    const double total_N = tissue_N + fixture_N;
+    scene.fingertip_N = std::max(0.0, -total_N);
+    scene.thumb_N = std::max(0.0, total_N);
+    scene.bar_shown = cut.modality == Modality::kVF;
+    scene.bar_N = scene.bar_shown ? scene.fingertip_N : 0;
     scene.cut_away = cut;
 }
 // Levels of a gamepad's motors, 0 to 1, strong and weak; null if there is no new command.

@@ -115,6 +115,7 @@ LiveState LiveTrial::state() const {
         kFrequencySpan_s;
     state.beeps = static_cast<double>(display_.beeps() - beeps_before_);
     state.trials = trials_ - 1;
+    state.delay_s = session.delay_s();
     return state;
 }
 
@@ -122,6 +123,8 @@ Scene LiveTrial::scene() const {
     Scene scene = display_.newest();
     const ForceFeedback* newest = session_->session().recorder().newest();
     if (newest == nullptr) return scene;
+    // Until the first frame nothing has said where the skin rests.
+    if (scene.trial == 0) scene.position_surface_rest_m = newest->position_surface_m;
     CutAway cut;
     cut.position_needle_m = newest->position_needle_m;
     cut.position_fixture_m = session_->session().record().conditions.fixture_position_m;

@@ -60,6 +60,7 @@ struct LiveState {
     double beeps = 0;          // of this trial
     double trials = 0;         // ended
     double hand_m = 0;         // where the hand wants the needle
+    double delay_s = 0;        // of the force path, one way, with a network too
 };
 
 class LiveTrial {

@@ -100,7 +100,7 @@ bool has_word(std::string_view text, std::string_view word) {
 std::string Instructions::text() const {
     std::string all;
     for (const PageWords& page : pages) all += page.title.value_or("") + "\n" + page.body.value_or("") + "\n";
-    return all;
+    return all + go_on.value_or("");
 }
 
 char32_t take_character(std::string_view& text) {
@@ -154,6 +154,10 @@ Instructions read_instructions(const ConfigTable& table, Instructions instructio
         if (title) words.title = std::move(title);
         if (body) words.body = std::move(body);
     }
+    auto go_on = read_page_text(table, "go_on",
+                                "Text below welcome, practice and ready with next_by = \"subject\": how to "
+                                "continue.");
+    if (go_on) instructions.go_on = std::move(go_on);
     return instructions;
 }
 

@@ -19,6 +19,7 @@ struct PageWords {
 
 struct Instructions {
     std::array<PageWords, kPageKinds> pages;  // by PageKind
+    std::optional<std::string> go_on;         // how to go on, below pages that wait for the subject
 
     const PageWords& of(PageKind kind) const { return pages[static_cast<std::size_t>(kind)]; }
     // All their characters, which the font must have.

@@ -78,6 +78,10 @@ std::unique_ptr<NodeInstance> build(const Choices& choices, const ConfigFile& fi
     if (settings.window || choices.window || choices.role != "subject") {
         return build_window(settings, std::move(pages), choices, sockets, instance);
     }
+    if (choices.fullscreen || !choices.screenshot.empty())
+        throw Error(ExitCode::kUsage,
+                    "--fullscreen and --screenshot need a window: add --window, or set [visual] display = "
+                    "\"window\"");
     return std::make_unique<RecordingVisual>(settings, sockets, instance);
 }
 
@@ -105,7 +109,8 @@ int main(int argc, char** argv) {
                         "running session (see --role experimenter --help)");
         add_word_option(app, "--view", choices.view, {"cutaway", "subject"},
                         "with --role player. cutaway: also shows the needle inside the tissue and the "
-                        "fixture; subject: the picture of the paper's subjects");
+                        "fixture; subject: the picture of the paper's subjects",
+                        "--role");
         add_file_option(app, "--screenshot", choices.screenshot, "save the last picture to this PNG file");
     };
     program.read = [](const ConfigFile& file) {

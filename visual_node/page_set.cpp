@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "common/error.hpp"
+#include "visual_node/visual_settings.hpp"
 
 namespace thimble {
 namespace {
@@ -139,6 +140,15 @@ PageSet load_page_set(const std::filesystem::path& path) {
                 fmt::join(names, ", "));
 }
 
+// A brace in [protocol] break_text begins no placeholder.
+std::string break_page(const ConfigTable& protocol) {
+    const std::string text = read_break_text(protocol);
+    refuse_right_to_left(protocol, "break_text", text);
+    std::string page;
+    for (const char c : text) page.append(c == '{' || c == '}' ? 2U : 1U, c);
+    return page + "\n{break_time} to go";
+}
+
 }  // namespace
 
 std::string PageSet::text() const {
@@ -213,6 +223,8 @@ PageSet read_pages(const ConfigFile& session) {
         table.load("pages", [&] { pages = load_page_set(found ? beside : std::filesystem::path(name)); });
     }
     pages.instructions = read_instructions(table, std::move(pages.instructions));
+    auto& rest = pages.instructions.pages[static_cast<std::size_t>(PageKind::kBreak)].body;
+    if (!rest) rest = break_page(session.table("protocol"));
     return pages;
 }
 

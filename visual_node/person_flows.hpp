@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cassert>
+#include <cstdint>
 
 #include <boost/core/noncopyable.hpp>
 
@@ -10,6 +11,9 @@
 #include "common/time.hpp"
 
 namespace thimble {
+
+// Where a player's hand is read: in the window, or by the master ([handle] device = "hid").
+enum class HandKind : std::uint8_t { kMouse, kKeyboard, kDevice };
 
 // The position of the hand. The node's thread asks while another thread may move it.
 class HandSource : boost::noncopyable {

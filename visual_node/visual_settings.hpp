@@ -33,6 +33,7 @@ struct VisualSettings {
     bool fullscreen = false;
     bool pointer = false;   // [handle] device = "pointer" or "keyboard": the hand is read in the window
     bool keyboard = false;  // and it is the arrow keys, not the mouse
+    bool hid = false;       // [handle] device = "hid": the master reads the hand
     bool subject_goes_on = false;  // [protocol] next_by
     bool vibration = true;
     std::string vibration_device{};
@@ -46,6 +47,13 @@ inline bool read_subject_goes_on(const ConfigTable& protocol) {
                   "Person who starts the next trial where a page waits: the experimenter, or the subject by "
                   "the space bar or a click.");
     return goes_on;
+}
+
+// [protocol] break_text. The experimenter's terminal has it, too.
+inline std::string read_break_text(const ConfigTable& protocol) {
+    std::string text = "Please take your hand off the handle and rest.";
+    protocol.read("break_text", text, "Text on the screen during a break, unless [instructions] has one.");
+    return text;
 }
 
 // Of [visual] alone, and of the whole file. Throw Error (usage).
@@ -89,6 +97,7 @@ inline VisualSettings read_visual_settings(const ConfigFile& file) {
     file.table("handle").read("device", handle, "");
     node.keyboard = handle == "keyboard";
     node.pointer = node.keyboard || handle == "pointer";
+    node.hid = handle == "hid";
     node.subject_goes_on = read_subject_goes_on(file.table("protocol"));
     return node;
 }

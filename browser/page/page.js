@@ -17,7 +17,7 @@ class Page {
     this.hint = { key: '', since: 0 };
     this.beeps = 0;
     this.calm = matchMedia('(prefers-reduced-motion: reduce)');
-    this.views = [0, 1, 2, 3].map((side) => new SceneView(engine, side, $(`scene-${side}`)));
+    this.views = [0, 1, 2, 3].map((side) => new SceneView(engine, side, $(`scene-${side}`), () => this.redraw()));
     this.strip = new Strip($('plot'), 6);
     this.fillIn();
     this.listen();
@@ -48,14 +48,16 @@ class Page {
   }
 
   listen() {
-    $('language').addEventListener('change', () => { language = $('language').value; sayAll(); this.sayRest(); });
+    $('language').addEventListener('change', () => { language = $('language').value; sayAll(); this.sayRest(); this.redraw(); });
     $('delay').addEventListener('input', () => this.changeDelay($('delay').value / 1000));
     $('virtual').addEventListener('change', () => this.choose({ virtual: $('virtual').checked }));
     $('network').addEventListener('change', () => this.choose({ network: $('network').value }));
     $('compensator').addEventListener('change', () => this.choose({ compensator: +$('compensator').value }));
     $('again').addEventListener('click', () => this.restart());
     $('beside').addEventListener('click', () => { this.beside = !this.beside; $('beside').setAttribute('aria-pressed', this.beside); this.restart(); });
-    addEventListener('resize', () => { this.rested = false; });
+    addEventListener('resize', () => this.redraw());
+    $('wall').addEventListener('change', () => this.redraw());
+    $('sound').addEventListener('change', () => this.wake());  // a gamepad and a virtual subject press nothing
     $('study').addEventListener('click', () => this.runStudy());
     $('digest').addEventListener('click', () => this.showDigest());
     this.holdBy($('scene-0').querySelector('.grip'));
@@ -67,6 +69,7 @@ class Page {
   holdBy(place) {
     place.style.touchAction = 'none';
     place.addEventListener('pointerdown', (event) => {
+      if (!event.isPrimary) return;  // a second finger
       place.setPointerCapture(event.pointerId);
       this.hand.engaged = true;
       this.hand.position = this.state.needle_m / 3;
@@ -74,13 +77,13 @@ class Page {
       this.wake();
     });
     place.addEventListener('pointermove', (event) => {
-      if (!this.hand.engaged || this.hand.y === undefined) return;
+      if (!event.isPrimary || !this.hand.engaged || this.hand.y === undefined) return;
       const per_m = this.engine.pixelsPerMetre(place.clientHeight);
       this.moveHand((event.clientY - this.hand.y) / per_m / 3);
       this.hand.y = event.clientY;
     });
     for (const name of ['pointerup', 'pointercancel'])
-      place.addEventListener(name, () => { this.hand.engaged = false; this.hand.y = undefined; });
+      place.addEventListener(name, (event) => { if (event.isPrimary) { this.hand.engaged = false; this.hand.y = undefined; } });
     place.addEventListener('keydown', (event) => this.key(event, event.key === 'ArrowDown' ? 1 : event.key === 'ArrowUp' ? -1 : 0));
     place.addEventListener('keyup', () => { this.hand.key = 0; });
     place.addEventListener('blur', () => { this.hand.key = 0; this.hand.engaged = this.hand.y !== undefined; });
@@ -132,9 +135,15 @@ class Page {
     this.beeps = 0;
     this.state = this.engine.advance(SIDE.main, 0.001, 0, false);
   }
+  // What is not drawn in every frame.
+  redraw() {
+    this.rested = false;
+    if (this.replay?.rows.length) this.replay.show();
+  }
   sayRest() {
-    $('delay-text').textContent = `${Math.round(1000 * this.choice.delay)} ms`;
-    $('delay').value = Math.round(1000 * this.choice.delay);
+    const delay_ms = Math.round(1000 * (this.choice.network ? this.state.delay_s : this.choice.delay));
+    $('delay-text').textContent = `${delay_ms} ms`;
+    $('delay').value = delay_ms;
     $('onset').textContent = say('onset', this.engine.onset_ms.toFixed(1));
     $('plot').setAttribute('aria-label', say('plot'));
     document.querySelector('.grip').setAttribute('aria-label', say('grip'));

@@ -1,12 +1,15 @@
 // Draws the triangles and labels that the C++ painter of the windows builds: one WebGL 2 program, one call.
 class SceneView {
-  constructor(engine, side, box) {
+  // `redraw()` draws again what nothing else draws: after a lost WebGL context, all is gone.
+  constructor(engine, side, box, redraw) {
     this.engine = engine;
     this.side = side;
     [this.solid, this.texts] = box.querySelectorAll('canvas');
     this.gl = this.solid.getContext('webgl2', { antialias: false });
     if (!this.gl) throw new Error('WebGL 2');
     this.prepare();
+    this.solid.addEventListener('webglcontextlost', (event) => event.preventDefault());
+    this.solid.addEventListener('webglcontextrestored', () => { this.prepare(); redraw(); });
   }
   prepare() {
     const gl = this.gl, program = gl.createProgram();

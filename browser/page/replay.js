@@ -15,8 +15,8 @@ class Replay {
     $('replay').hidden = missing.length > 0;
     $('replay-error').textContent = missing.length ? say('replay_error', missing.join(', ')) : '';
     if (missing.length) return;
-    const at = Replay.columns.map((name) => names.indexOf(name)), phase = names.indexOf('tissue_phase');
-    this.rows = lines.slice(1).map((line) => line.split(',')).map((cells) => [...at.map((i) => +cells[i]), cells[phase] === 'penetrated' ? 2 : cells[phase] === 'contact' ? 1 : 0])
+    const at = Replay.columns.map((name) => names.indexOf(name)), phase = names.indexOf('tissue_phase'), wall = names.indexOf('fixture_present');
+    this.rows = lines.slice(1).map((line) => line.split(',')).map((cells) => [...at.map((i) => +cells[i]), cells[phase] === 'penetrated' ? 2 : cells[phase] === 'contact' ? 1 : 0, wall < 0 ? 1 : +cells[wall]])
       .filter((row) => row.every(Number.isFinite));
     if (!this.rows.length) { $('replay').hidden = true; $('replay-error').textContent = say('replay_empty'); return; }
     const touched = this.rows.find((row) => row[4] !== 0);
@@ -37,8 +37,8 @@ class Replay {
   show() {
     let low = 0, high = this.rows.length - 1;
     while (low < high) { const middle = (low + high + 1) >> 1; if (this.rows[middle][0] <= this.time) low = middle; else high = middle - 1; }
-    const [, needle, surface, tissue, fixture, phase] = this.rows[low];
-    this.engine.show(this.view.side, [needle, surface, this.wall, tissue, fixture, phase, this.modality]);
+    const [, needle, surface, tissue, fixture, phase, present] = this.rows[low], rest = this.rows[0][2];
+    this.engine.show(this.view.side, [needle, surface, present ? this.wall : NaN, tissue, fixture, phase, this.modality, rest]);
     this.view.draw($('wall').checked);
     $('place-text').textContent = `${this.time.toFixed(2)} s`;
   }

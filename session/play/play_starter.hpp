@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <boost/core/noncopyable.hpp>
-#include <fmt/format.h>
 
 #include "common/error.hpp"
 #include "common/own_program.hpp"
@@ -63,31 +62,6 @@ class PlayStarter final : public NodeStarter {
     mutable std::weak_ptr<RunningNode> window_;  // the condition's run owns it
 };
 
-// A window needs a screen and a thimble-visual that can open one. Throws Error (usage) that says which is missing.
-inline void check_window(const std::filesystem::path& programs) {
-    const auto words = std::filesystem::temp_directory_path() / fmt::format("thimble_help_{}", ::getpid());
-    std::string help;
-    {
-        Child child(programs / "thimble-visual", {"--help"}, words);
-        child.wait(kHelpWithin);
-        help = child.last_lines(1000);
-    }
-    std::error_code ignored;
-    std::filesystem::remove(words, ignored);
-    if (help.find("--window") == std::string::npos) {
-        throw Error(
-            ExitCode::kUsage,
-            "{} was built without a window: run deploy/install-packages build programs, configure and "
-            "build again, or use the page: thimble play --browser",
-            (programs / "thimble-visual").string());
-    }
-    if (!environment_text("DISPLAY").empty() || !environment_text("WAYLAND_DISPLAY").empty()) return;
-    throw Error(
-        ExitCode::kUsage,
-        "there is no screen: neither DISPLAY nor WAYLAND_DISPLAY is set. Start the program from a desktop, "
-        "over `ssh -X`, or under xvfb-run -a. A browser needs no screen here: thimble play --browser");
-}
-
 // A folder for logs: gone with this object, unless they are kept.
 class ScratchFolder : boost::noncopyable {
   public:
@@ -115,5 +89,25 @@ class ScratchFolder : boost::noncopyable {
     std::filesystem::path path_;
     bool kept_ = false;
 };
+
+// A window needs a screen and a thimble-visual that can open one. Throws Error (usage) that says which is missing.
+inline void check_window(const std::filesystem::path& programs) {
+    const ScratchFolder scratch;
+    Child child(programs / "thimble-visual", {"--help"}, scratch.path() / "help");
+    child.wait(kHelpWithin);
+    const std::string help = child.last_lines(1000);
+    if (help.find("--window") == std::string::npos) {
+        throw Error(
+            ExitCode::kUsage,
+            "{} was built without a window: run deploy/install-packages build programs, configure and "
+            "build again, or use the page: thimble play --browser",
+            (programs / "thimble-visual").string());
+    }
+    if (!environment_text("DISPLAY").empty() || !environment_text("WAYLAND_DISPLAY").empty()) return;
+    throw Error(
+        ExitCode::kUsage,
+        "there is no screen: neither DISPLAY nor WAYLAND_DISPLAY is set. Start the program from a desktop, "
+        "over `ssh -X`, or under xvfb-run -a. A browser needs no screen here: thimble play --browser");
+}
 
 }  // namespace thimble

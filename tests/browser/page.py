@@ -138,6 +138,63 @@ def try_keys(visitor):
     expect(visitor.state()["needle_m"] > 0.01, "the arrow keys push")
 
 
+def try_fingers(visitor):
+    visitor.drag(50, 0.2, hold=True)
+    moved, held = visitor.driver.execute_script(
+        "const grip = document.querySelector('.grip'), before = page.hand.position;"
+        "for (const kind of ['pointermove', 'pointerup']) grip.dispatchEvent(new PointerEvent(kind, { pointerId: 99, clientY: 9999 }));"
+        "return [page.hand.position - before, page.hand.engaged]")
+    visitor.release()
+    expect(moved == 0 and held, "a second finger neither moves the hand nor lets go")
+
+
+def try_sound(visitor):
+    sound = visitor.driver.find_element("id", "sound")
+    visitor.driver.execute_script("arguments[0].scrollIntoView()", sound)
+    sound.click()
+    expect(visitor.driver.execute_script("return page.audio !== undefined"), "the sound is there before anything is pressed")
+    sound.click()
+
+
+def try_network(visitor):
+    choose = "const n = document.getElementById('network'); n.value = arguments[0]; n.dispatchEvent(new Event('change')); return document.getElementById('delay-text').textContent"
+    shown = [visitor.driver.execute_script(choose, name) for name in ("geo", "")]
+    expect(shown == ["300 ms", "50 ms"], f"the delay is the network's {shown}")
+
+
+# A trial in VF whose wall vanishes.
+RECORDED = """time_s,position_needle_m,position_surface_m,force_tissue_N,force_fixture_N,force_total_N,contact_time_s,tissue_phase,fixture_present
+0,0,0.02,0,0,0,0,free,1
+0.5,0.11,0.02,-1,-5,-6,0.1,penetrated,1
+1,0.12,0.02,-1,0,-1,0,penetrated,0
+"""
+
+
+def try_replay(visitor):
+    visitor.driver.execute_async_script(
+        "const done = arguments[1]; page.replay.open(new File([arguments[0]], 'trial01_VF_50ms.csv')).then(() => { page.replay.playing = false; done(); })", RECORDED)
+    labels = "return page.engine.labels(3).map((l) => l.text)"
+    show = "page.replay.time = arguments[0]; page.replay.show(); " + labels
+    touching, gone = (visitor.driver.execute_script(show, time_s) for time_s in (0.5, 1))
+    expect("90 mm deep" in touching and "12 N" in touching, f"a recorded trial: depth from the skin, and the bar {touching}")
+    expect("virtual wall" in touching and "virtual wall" not in gone, "its wall vanishes")
+    visitor.driver.execute_script(show, 0.5)
+    unseen = visitor.driver.execute_script("document.getElementById('wall').click(); " + labels)
+    visitor.driver.execute_script("document.getElementById('wall').click()")
+    expect("virtual wall" not in unseen, "a resting one is drawn anew")
+    visitor.driver.execute_script("page.replay.rows = []; document.getElementById('replay').hidden = true")
+
+
+def try_lost_context(visitor):
+    """The WebGL context goes and comes back, as after sleep or a new graphics driver."""
+    opaque = visitor.driver.execute_async_script(
+        "const done = arguments[0], view = page.views[1], gl = view.gl, context = gl.getExtension('WEBGL_lose_context'), pixel = new Uint8Array(4);"
+        "context.loseContext();"
+        "setTimeout(() => context.restoreContext(), 300);"
+        "setTimeout(() => { view.draw(true); gl.readPixels(10, 10, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); done(pixel[3]); }, 1500)")
+    expect(opaque == 255, "pictures come back after a lost context")
+
+
 PAD = """window.motors = [];
 const pad = {buttons: [{pressed: false}], axes: [0, 0], vibrationActuator: {playEffect(kind, levels) { motors.push(levels); return Promise.resolve(); }}};
 navigator.getGamepads = () => [pad];"""
@@ -261,6 +318,11 @@ def main(page, thimble):
         visitor.open(SIZES["laptop"])
         try_hands(visitor)
         try_keys(visitor)
+        try_fingers(visitor)
+        try_sound(visitor)
+        try_network(visitor)
+        try_replay(visitor)
+        try_lost_context(visitor)
         try_gamepad(visitor)
         try_calm(visitor)
         if thimble is not None:

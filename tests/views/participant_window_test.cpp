@@ -61,6 +61,14 @@ class SessionWithAMouse : public OnAScreen {
         });
     }
 
+    bool declines(Child& run) const {
+        return wait_until([&] {
+            screen_->press("2");
+            screen_->press("Return");
+            return run.poll().has_value();
+        });
+    }
+
     Folder folder_;
     PortBlock ports_;
     Dataset dataset_{folder_ / "data"};
@@ -150,16 +158,21 @@ TEST_F(SessionWithAMouse, ConsentQuestionsAndATrialByKeysAlone) {
 TEST_F(SessionWithAMouse, WhoDeclinesLeavesNothing) {
     Child run = start("", kKeySession);
     ASSERT_TRUE(screen_->wait_for_window("Thimble")) << words();
-    ASSERT_TRUE(wait_until([&] {
-        screen_->press("2");
-        screen_->press("Return");
-        return run.poll().has_value();
-    })) << words();
+    ASSERT_TRUE(declines(run)) << words();
     EXPECT_EQ(run.wait(kPatience), 0) << words();
     EXPECT_THAT(words(), testing::HasSubstr("did not consent"));
     EXPECT_FALSE(std::filesystem::exists(dataset_.source(7)));
     EXPECT_FALSE(std::filesystem::exists(dataset_.participants()));
     EXPECT_FALSE(std::filesystem::exists(dataset_.order(7)));
+}
+
+TEST_F(SessionWithAMouse, WhoDeclinesTakesNothingAwayThatAnotherSessionWroteMeanwhile) {
+    Child run = start("", kKeySession);
+    ASSERT_TRUE(screen_->wait_for_window("Thimble")) << words();
+    const auto theirs = trajectory(1, 1).parent_path();
+    std::filesystem::create_directories(theirs);
+    ASSERT_TRUE(declines(run)) << words();
+    EXPECT_TRUE(std::filesystem::exists(theirs)) << words();
 }
 
 TEST_F(SessionWithAMouse, AScreenThatGoesAwayStopsItInOrder) {

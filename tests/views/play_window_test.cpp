@@ -7,6 +7,7 @@
 #include "session/records/trial_table.hpp"
 #include "session/render/render.hpp"
 #include "tests/loopback/played_view.hpp"
+#include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
 #include "tests/views/pushed_needle.hpp"
 #include "tests/window/virtual_screen.hpp"
@@ -127,6 +128,32 @@ TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAl
     Child again(kThimble, {"play", "--replay", out.string(), "--frames", frames.string()}, folder_ / "again");
     EXPECT_EQ(again.wait(kPatience), 2);
     EXPECT_THAT(read_text(folder_ / "again"), testing::HasSubstr("--overwrite"));
+}
+
+// In the place of ffmpeg stand scripts: one writes down its words, one fails.
+TEST_F(PlayInAWindow, AVideoIsMadeByTheFfmpegInThePath) {
+    const auto session = folder_.write("session.toml",
+                                       "[session]\nmodalities = ['CF']\ndelays_s = [0.0]\n[trial]\n"
+                                       "contact_hold_s = 0.1\n");
+    const std::string out = folder_ / "out", video = folder_ / "trial.mp4";
+    const Outcome run = run_thimble({"run", session, "--clock", "virtual", "--out", out});
+    ASSERT_EQ(run.code, 0) << run.words;
+    std::filesystem::create_directory(folder_ / "bin");
+    const auto film = [&](const std::string& ffmpeg) {
+        replace_program(folder_ / "bin/ffmpeg", ffmpeg);
+        return run_to_end("/usr/bin/env",
+                          {"PATH=" + (folder_ / "bin").string() + ":/usr/bin:/bin", kThimble, "play",
+                           "--replay", out, "--video", video, "--frames-per-s", "5", "--overwrite"});
+    };
+    const Outcome made = film("printf '%s\\n' \"$@\" >'" + (folder_ / "told").string() + "'");
+    EXPECT_EQ(made.code, 0) << made.words;
+    const std::string told = read_text(folder_ / "told");
+    for (const std::string& part :
+         {std::string("-framerate\n5\n"), std::string("frame_%06d.png\n"), video + "\n"})
+        EXPECT_THAT(told, testing::HasSubstr(part));
+    const Outcome failed = film("echo there is no such codec; exit 1");
+    EXPECT_EQ(failed.code, 1) << failed.words;
+    EXPECT_THAT(failed.words, testing::HasSubstr("ffmpeg made no " + video + ": there is no such codec"));
 }
 
 TEST_F(PlayInAWindow, AScreenThatGoesAwayEndsThePlay) {

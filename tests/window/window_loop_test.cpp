@@ -71,11 +71,13 @@ struct CountingOverlay final : Overlay {
     void draw(SessionTime, const OverlayFrame& frame) override {
         ++draws;
         has_times |= frame.times != nullptr;
+        hand_holds = frame.hand_holds;
         ImGui::TextUnformatted("panel");
     }
     void closing(SessionTime) override { told_of_end = true; }
     int ticks = 0, draws = 0;
     bool has_times = false, told_of_end = false;
+    std::optional<bool> hand_holds;
 };
 
 TEST_F(WindowLoopTest, ShowsTheNewestSceneAndSaysWhen) {
@@ -116,9 +118,8 @@ TEST_F(WindowLoopTest, PageCoversTheSceneUntilTheTrial) {
     const Image covered = shown.loop.picture();
     EXPECT_EQ(covered.at(400, 580), colours::kBackground);
     int ink = 0;
-    for (int y = 150; y < 350; ++y) {
+    for (int y = 150; y < 350; ++y)
         for (int x = 0; x < 800; ++x) ink += covered.at(x, y) != colours::kBackground ? 1 : 0;
-    }
     EXPECT_GT(ink, 300);
     EXPECT_LT(ink, 20000);
     shown.display.turn_page({}, Page{});
@@ -142,11 +143,14 @@ TEST_F(WindowLoopTest, ABeepIsSeenWhereItIsToBe) {
     parts.beep_shown = true;
     WindowLoop loop(parts, Duration::zero(), true);
     const Image before = loop.picture();
-    display.beep(wall_now());
-    const Image seen = loop.picture();
-    int changed = 0;
-    for (int y = 0; y < window.height(); ++y) changed += seen.at(8, y) != before.at(8, y) ? 1 : 0;
-    EXPECT_GT(changed, window.height() / 2);
+    // Where the machine stalls, the beep is over before the picture. Then it beeps again.
+    EXPECT_TRUE(wait_until([&] {
+        display.beep(wall_now());
+        const Image seen = loop.picture();
+        int changed = 0;
+        for (int y = 0; y < window.height(); ++y) changed += seen.at(8, y) != before.at(8, y) ? 1 : 0;
+        return changed > window.height() / 2;
+    }));
     wall_sleep(milliseconds{700});
     EXPECT_EQ(loop.picture().rgb, before.rgb) << "and then it is gone";
 }
@@ -262,11 +266,12 @@ TEST_F(WindowLoopTest, ArrowKeysPushAndTheMouseDoesNot) {
     GlWindow window(Shown::titled("keys under test"));
     WindowDisplay display(Duration::zero());
     PointerHand hand(1e-4);
-    WindowLoop::Parts parts{&window, &display, &hand};
-    parts.keyboard = true;
+    CountingOverlay panel;  // at the left
+    WindowLoop::Parts parts{&window, &display, &hand, &panel};
+    parts.hand_kind = HandKind::kKeyboard;
     WindowLoop loop(parts, Duration::zero(), true);
     ASSERT_TRUE(person(loop, {"search", "--name", "keys under test", "windowfocus", "mousemove", "--window",
-                              "%1", "400", "300", "click", "1"}));
+                              "%1", "600", "300", "click", "1"}));
     for (int i = 0; i < 10; ++i) loop.turn();
     EXPECT_FALSE(hand.hand().engaged);
     ASSERT_TRUE(person(loop, {"keydown", "Down"}));
@@ -278,12 +283,29 @@ TEST_F(WindowLoopTest, ArrowKeysPushAndTheMouseDoesNot) {
     };
     EXPECT_TRUE(moves(true));
     EXPECT_TRUE(hand.hand().engaged);
-    ASSERT_TRUE(person(loop, {"keyup", "Down"}));
+    // While the mouse holds the panel, ImGui wants every key.
+    ASSERT_TRUE(person(loop, {"search", "--name", "keys under test", "mousemove", "--window", "%1", "200",
+                              "200", "mousedown", "1"}));
+    for (int i = 0; i < 10; ++i) loop.turn();
+    ASSERT_TRUE(ImGui::GetIO().WantCaptureKeyboard);
+    ASSERT_TRUE(person(loop, {"keyup", "Down", "key", "BackSpace"}));
+    for (int i = 0; i < 10; ++i) loop.turn();
+    EXPECT_TRUE(display.take_stop());
     EXPECT_TRUE(moves(false));
     EXPECT_TRUE(hand.hand().engaged) << "it holds the needle where it is";
-    ASSERT_TRUE(person(loop, {"key", "Escape"}));
+    ASSERT_TRUE(person(loop, {"mouseup", "1", "key", "Escape"}));
     for (int i = 0; i < 10; ++i) loop.turn();
     EXPECT_FALSE(hand.hand().engaged);
+}
+
+TEST_F(WindowLoopTest, WhereADeviceIsTheHandThePointerHoldsNothing) {
+    GlWindow window(Shown::titled("Thimble"));
+    PointerHand hand(1e-4);
+    CountingOverlay overlay;
+    WindowLoop::Parts parts{&window, nullptr, &hand, &overlay};
+    parts.hand_kind = HandKind::kDevice;
+    ASSERT_TRUE(WindowLoop(parts, Duration::zero(), true).turn());
+    EXPECT_FALSE(overlay.hand_holds.has_value());
 }
 
 TEST_F(WindowLoopTest, ClosedWindowEndsTheLoopAndNotTheNode) {
@@ -302,9 +324,8 @@ TEST_F(WindowLoopTest, ClosedWindowEndsTheLoopAndNotTheNode) {
 TEST_F(WindowLoopTest, MouseTakesTheHandMovesItAndLetsGo) {
     PointerHand hand(1e-4);
     Shown shown("hand under test", &hand);
-    ASSERT_TRUE(person(shown.loop, {"search", "--name", "hand under test", "windowfocus"}));
-    ASSERT_TRUE(person(shown.loop,
-                       {"search", "--name", "hand under test", "mousemove", "--window", "%1", "400", "300"}));
+    ASSERT_TRUE(person(shown.loop, {"search", "--name", "hand under test", "windowfocus", "mousemove",
+                                    "--window", "%1", "400", "300"}));
     EXPECT_FALSE(hand.hand().engaged);
     ASSERT_TRUE(person(shown.loop, {"click", "1"}));
     shown.turns(20);
@@ -338,8 +359,7 @@ TEST_F(WindowLoopTest, AGamepadThatIsPulledOutWhileItHoldsLetsGo) {
 
 TEST_F(WindowLoopTest, BackspaceIsAnEmergencyStopOnce) {
     Shown shown("stop under test");
-    ASSERT_TRUE(person(shown.loop, {"search", "--name", "stop under test", "windowfocus"}));
-    ASSERT_TRUE(person(shown.loop, {"key", "space"}));
+    ASSERT_TRUE(person(shown.loop, {"search", "--name", "stop under test", "windowfocus", "key", "space"}));
     shown.turns(10);
     EXPECT_FALSE(shown.display.take_stop());
     ASSERT_TRUE(person(shown.loop, {"key", "BackSpace"}));
@@ -352,24 +372,23 @@ TEST_F(WindowLoopTest, NodeGoesOnWithoutScreen) {
     EXPECT_EXIT(
         {
             Shown shown;
-            std::atomic<bool> stop{false};
+            std::atomic<bool> ended{false};
             std::uint64_t taken = 0;
+            const SessionTime limit = wall_now() + std::chrono::seconds{60};
             std::thread node([&] {
-                for (int i = 0; i < 1500; ++i) {
+                for (int i = 0, after = 0; after < 100 && wall_now() < limit; ++i) {
                     const SessionTime now = wall_now();
                     shown.display.draw(now, scene_at(now));
                     while (shown.display.shown(now)) ++taken;
                     if (i == 500) screen_->kill();
+                    after += ended ? 1 : 0;  // turns without the window
                     wall_sleep(milliseconds{1});
                 }
-                stop = true;
             });
-            const WindowEnd end = shown.loop.run([&] { return stop.load(); });
-            const bool before_node = !stop;
+            const WindowEnd end = shown.loop.run([&] { return wall_now() >= limit; });
+            ended = true;
             node.join();
-            const bool good =
-                end == WindowEnd::kScreenLost && before_node && taken > 0 && shown.display.unseen() > 0;
-            std::_Exit(good ? 0 : 1);
+            std::_Exit(end == WindowEnd::kScreenLost && taken > 0 && shown.display.unseen() > 0 ? 0 : 1);
         },
         testing::ExitedWithCode(0), "");
 }

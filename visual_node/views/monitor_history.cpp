@@ -9,6 +9,7 @@ namespace thimble {
 namespace {
 
 constexpr double kMonitorRate_Hz = 250;
+constexpr double kLeastStep_s = 0.95 / kMonitorRate_Hz;  // at a replay's full speed none is left out
 constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
 double value_of(Quantity quantity, const Monitor& monitor) {
@@ -21,7 +22,7 @@ double value_of(Quantity quantity, const Monitor& monitor) {
         case Quantity::kFixture_m:
             return monitor.fixture_present ? monitor.position_fixture_m : kNotKnown;
         case Quantity::kForceTotal_N:
-            return monitor.force_total_N;
+            return -monitor.force_total_N;
         case Quantity::kForceHand_N:
             return monitor.force_hand_N;
         case Quantity::kRoundTrip_s:
@@ -62,24 +63,26 @@ MonitorHistory::MonitorHistory(double window_s)
     assert(window_s > 0);
 }
 
-void MonitorHistory::add(SessionTime now, std::uint32_t trial, const Monitor& monitor) {
-    running_ = monitor.state == NodeState::kRunning;
-    if (trial != trial_ || (size() > 0 && monitor.time_s < samples_.back().time_s)) clear();
+void MonitorHistory::add(SessionTime now, std::uint32_t trial, const Monitor& monitor, bool replay) {
+    if (trial != trial_ || (size() > 0 && monitor.time_s < newest_s_)) clear();
     trial_ = trial;
-    const bool again = size() > 0 && monitor.time_s == samples_.back().time_s;
+    const bool again = size() > 0 && monitor.time_s == newest_s_;
+    running_ = monitor.state == NodeState::kRunning && !(replay && again);
     const bool begun = running_ || monitor.time_s > 0;
     if (!begun || again) return;
+    newest_s_ = monitor.time_s;
+    advanced_ = now;
+    // A slow replay has more messages per second of its trial than the ring has room for.
+    if (replay && size() > 0 && newest_s_ - samples_.back().time_s < kLeastStep_s) return;
     Sample sample{monitor.time_s};
     for (std::size_t i = 0; i < kQuantityCount; ++i)
         sample.values[i] = value_of(static_cast<Quantity>(i), monitor);
     samples_.push_back(sample);
-    advanced_ = now;
 }
 
 double MonitorHistory::end_s(SessionTime now) const {
     if (size() == 0) return 0;
-    const double newest_s = samples_.back().time_s;
-    return running_ ? newest_s + std::max(0.0, to_seconds(now - advanced_)) : newest_s;
+    return running_ ? newest_s_ + std::max(0.0, to_seconds(now - advanced_)) : newest_s_;
 }
 
 void MonitorHistory::decimate(Quantity quantity, double begin_s, double column_s,

@@ -13,7 +13,8 @@
 
 namespace thimble {
 
-// The values of the curves. Units as in Monitor; one-way delay with its bound as the two edges of what it may be.
+// The values of the curves, in the units of Monitor. A positive force pushes the hand out. A one-way delay has two curves, the
+// edges of its bound.
 enum class Quantity : std::uint8_t {
     kNeedle_m,
     kSurface_m,
@@ -46,12 +47,12 @@ class MonitorHistory {
     explicit MonitorHistory(double window_s = 10);
 
     // A new trial, or a time that goes back (a replay's seek), starts anew. The same time again adds nothing, and
-    // neither does a message whose trial has not begun.
-    void add(SessionTime now, std::uint32_t trial, const Monitor& monitor);
+    // neither does a message whose trial has not begun. `replay`: of a recorded trial, whose time may be slow or stand still.
+    void add(SessionTime now, std::uint32_t trial, const Monitor& monitor, bool replay = false);
     void clear() { samples_.clear(); }
 
     // Right edge of a plot, s since the trial's start. It moves on while the trial runs, so that silence shows as a
-    // growing gap.
+    // growing gap. In a replay that stands still it stands as well.
     double end_s(SessionTime now) const;
     double window_s() const { return window_s_; }
     std::size_t size() const { return samples_.size(); }
@@ -73,7 +74,8 @@ class MonitorHistory {
     boost::circular_buffer<Sample> samples_;
     std::uint32_t trial_ = 0;
     bool running_ = false;
-    SessionTime advanced_{};  // when the newest sample came
+    double newest_s_ = 0;     // time of the newest message, whether it became a sample or not
+    SessionTime advanced_{};  // when that came
 };
 
 // Begin of the newest `columns` columns that hold end_s in their last one: a multiple of column_s.

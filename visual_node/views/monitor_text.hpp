@@ -31,7 +31,7 @@ struct Reading {
     const char* name = "";
     TextLine value;
 };
-// All that the experimenter reads, in the order of the panel; forces act on the operator, negative resists insertion.
+// All that the experimenter reads, in the order of the panel; a positive force pushes the hand out, as in the plots.
 inline constexpr std::size_t kReadingCount = 18;
 std::array<Reading, kReadingCount> read_monitor(const Monitor& monitor, std::uint32_t trial);
 

@@ -64,7 +64,9 @@ bool OrderSender::shows(const Asked& asked, const SessionView& session) {
         case OrderKind::kNetwork:
             return monitor.network == asked.order.network && has_delay(monitor, asked.order.value);
         case OrderKind::kStart:
-            return running && session.trial != asked.trial && monitor.modality == asked.order.modality;
+            // Only free play, which has no plan, begins the modality that was asked for.
+            return running && session.trial != asked.trial &&
+                   (monitor.trials > 0 || monitor.modality == asked.order.modality);
         case OrderKind::kPause:
             return monitor.paused;
         case OrderKind::kResume:

@@ -11,6 +11,18 @@ constexpr ReplayState kNoReplay{};
 // From about here HF with a pointer for a handle swings by millimetres (docs/play.md).
 constexpr double kNoticeableDelay_s = 0.02;
 
+// Without words of its own, a keyboard or a device has those of the mouse.
+struct Hint {
+    const char* mouse;
+    const char* keyboard = nullptr;
+    const char* device = nullptr;
+
+    const char* of(HandKind kind) const {
+        const char* const own = kind == HandKind::kKeyboard ? keyboard : device;
+        return kind == HandKind::kMouse || own == nullptr ? mouse : own;
+    }
+};
+
 }  // namespace
 
 const ReplayState& ReplayModel::state() const {
@@ -125,19 +137,24 @@ PlayerStep PlayerModel::step(SessionTime now) const {
 
 const char* PlayerModel::hint() const {
     static constexpr std::array kHints{
-        "Choose on the right how to feel the force, or press Space.",
-        "Paused. Press P to continue, or choose on the right how to feel the force.",
-        "The needle is held: no commands reach the tissue.",
-        "Click in this picture. Then move the mouse down, towards you.",
-        "Move the mouse down: the needle goes to the skin. Esc releases the needle.",
-        "Keep pushing: the skin gives way, and then it tears.",
-        "The needle is inside. Push until something stops it.",
-        "Something stops the needle. Stay there until the beep, and push no harder.",
-        "The force comes late: does it shake? Now choose No delay on the right.",
-        "That was the beep. Move the mouse up to pull the needle out.",
+        Hint{"Choose on the right how to feel the force, or press Space."},
+        Hint{"Paused. Press P to continue, or choose on the right how to feel the force."},
+        Hint{"The needle is held: no commands reach the tissue."},
+        Hint{"Click in this picture. Then move the mouse down, towards you.",
+             "Hold the arrow key Down: it takes the needle and pushes it in."},
+        Hint{"Move the mouse down: the needle goes to the skin. Esc releases the needle.",
+             "Hold Down: the needle goes to the skin. Esc releases the needle.",
+             "Push your device: the needle goes to the skin."},
+        Hint{"Keep pushing: the skin gives way, and then it tears."},
+        Hint{"The needle is inside. Push until something stops it."},
+        Hint{"Something stops the needle. Stay there until the beep, and push no harder."},
+        Hint{"The force comes late: does it shake? Now choose No delay on the right."},
+        Hint{"That was the beep. Move the mouse up to pull the needle out.",
+             "That was the beep. Hold Up to pull the needle out.",
+             "That was the beep. Pull your device to draw the needle out."},
     };
     if (replaying()) return "A recorded trial. Drag the bar on the right, or press Space.";
-    return kHints.at(static_cast<std::size_t>(step_.shown()));
+    return kHints.at(static_cast<std::size_t>(step_.shown())).of(hand_kind_);
 }
 
 }  // namespace thimble

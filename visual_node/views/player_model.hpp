@@ -1,6 +1,7 @@
 // The player's panel without a screen.
 #pragma once
 
+#include "visual_node/person_flows.hpp"
 #include "visual_node/views/commands.hpp"
 #include "visual_node/views/session_link.hpp"
 #include "visual_node/views/view_layout.hpp"
@@ -95,8 +96,11 @@ class PlayerModel {
     // Of the trial that runs or was asked for.
     Modality modality() const;
     bool help() const { return help_; }
-    // Whether the pointer has the needle; nothing where it never does.
-    void set_hand(std::optional<bool> holds) { hand_holds_ = holds; }
+    // Whether a hand at the window has the needle; nothing where none ever does.
+    void set_hand(std::optional<bool> holds, HandKind kind = HandKind::kMouse) {
+        hand_holds_ = holds;
+        hand_kind_ = kind;
+    }
     // One sentence: what to do next.
     const char* hint() const;
 
@@ -114,6 +118,7 @@ class PlayerModel {
     ReplayModel replay_{link_};
     SteadyStep step_;
     std::optional<bool> hand_holds_;
+    HandKind hand_kind_ = HandKind::kMouse;
     bool help_ = false;
 };
 

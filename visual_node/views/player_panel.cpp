@@ -106,7 +106,7 @@ void PlayerPanel::draw_hint(const Rect& scene, double scale) const {
 
 void PlayerPanel::draw(SessionTime now, const OverlayFrame& frame) {
     for (const Command command : typed_commands(model_.keys())) model_.press(now, command);
-    model_.set_hand(frame.hand_holds);
+    model_.set_hand(frame.hand_holds, frame.hand_kind);
     const double scale = frame.window.content_scale(), height = frame.window.height();
     const Rect panel = place(frame.window.width(), height, scale);
     const Rect scene{0, 0, panel.x, height};

@@ -26,7 +26,7 @@ class SessionLink {
 
     void update(SessionTime now) {
         receiver_.update(now, [this](SessionTime at, std::uint32_t trial, const Monitor& monitor) {
-            history_.add(at, trial, monitor);
+            history_.add(at, trial, monitor, receiver_.replay() != nullptr);
         });
         orders_.update(now, seen(now));
     }

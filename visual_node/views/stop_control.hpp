@@ -2,6 +2,7 @@
 // No clock: `now` is the caller's.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -23,10 +24,10 @@ class StopControl : boost::noncopyable {
 
     // A session that hangs passes nothing on, so the stop goes to every program.
     void stop(SessionTime now, std::string_view words) {
-        constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15U;  // odd: no number comes twice
-        order_ = StopOrder(instance_ + kSpread * ++stops_, StopKind::kStop, EndReason::kEmergencyStop, words);
+        order_ = StopOrder(new_number(), StopKind::kStop, EndReason::kEmergencyStop, words);
         left_ = kReleaseTimes;
         release_.reset();
+        inquire(now, order_.id);
         releases_ = false;  // a press that is under way does not release it
         next_ = now;
         tick(now);
@@ -62,11 +63,13 @@ class StopControl : boost::noncopyable {
         if (now < next_) return;
         next_ = now + kStopRepeat;
         if (release_) return go_on_releasing(now);
-        if (left_ > 0) {
+        if (left_ > 0) {  // programs answer the stop, and no question that comes with it
             --left_;
             out_.send(now, 0, order_);
+        } else if (now >= next_look_) {
+            look(now);
         }
-        look(now);
+        hear(now);
     }
 
     // Whether a stop is active, from the programs' answers.
@@ -86,17 +89,26 @@ class StopControl : boost::noncopyable {
 
     // A new inquiry each time, because an inquiry keeps its answers.
     void look(SessionTime now) {
-        if (now >= next_look_) {
-            if (inquiry_) holds_ = !inquiry_->held().empty();
-            inquiry_.emplace(out_, at_);
-            inquiry_->ask(now);
-            next_look_ = now + kLook;
-        }
+        if (inquiry_) holds_ = !inquiry_->held().empty();
+        inquire(now, new_number());
+        inquiry_->ask(now);
+    }
+
+    void inquire(SessionTime now, std::uint64_t number) {
+        inquiry_.emplace(out_, at_, number);
+        next_look_ = now + kLook;
+    }
+
+    void hear(SessionTime now) {
+        if (!inquiry_) return;
         inquiry_->hear(now);
         if (!inquiry_->held().empty()) holds_ = true;
     }
 
-    std::uint64_t instance_, stops_ = 0;
+    // Of a stop or a question. The factor is odd: no number comes twice.
+    std::uint64_t new_number() { return instance_ + 0x9E3779B97F4A7C15U * ++numbers_; }
+
+    std::uint64_t instance_, numbers_ = 0;
     StopOutlets at_;
     OutboundFlow out_;
     StopOrder order_;

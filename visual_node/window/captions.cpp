@@ -171,11 +171,10 @@ PageText page_text(const Page& page, const Instructions& instructions, bool subj
     if (page.kind == PageKind::kNone) return text;
     const PageWords& own = instructions.of(page.kind);
     if (own.title) text.title = fill_in(*own.title, page);
-    if (own.body) {
-        text.body = fill_in(*own.body, page);
-    } else if (subject_goes_on && waits_to_go_on(page.kind)) {
-        text.body += text.body.empty() ? kGoOn : std::string("\n\n") + kGoOn;
-    }
+    if (own.body) text.body = fill_in(*own.body, page);
+    const std::string go_on = instructions.go_on.value_or(own.body ? "" : kGoOn);
+    if (go_on.empty() || !subject_goes_on || !waits_to_go_on(page.kind)) return text;
+    text.body += text.body.empty() ? go_on : "\n\n" + go_on;
     return text;
 }
 

@@ -21,7 +21,7 @@ struct PageText {
 
 // Empty for kNone.
 PageText page_text(const Page& page);
-// With a lab's own words where it has some. `subject_goes_on`: a text that is not its own says how, where the page waits for that.
+// With a lab's own words where it has some. `subject_goes_on`: a page that waits says how, if it has our text or the lab says how.
 PageText page_text(const Page& page, const Instructions& instructions, bool subject_goes_on);
 // In place of a question of another page set than the window's own.
 PageText unknown_question(const Page& page);

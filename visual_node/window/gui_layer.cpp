@@ -2,8 +2,8 @@
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <cstring>
 #include <epoxy/gl.h>
-#include <filesystem>
 #include <imgui.h>
 #include <set>
 #include <string_view>
@@ -14,6 +14,7 @@
 #include <fmt/ranges.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "visual_node/instructions.hpp"
 
 namespace thimble {
@@ -33,11 +34,19 @@ ImVector<ImWchar> ranges_of(ImFontAtlas& atlas, const std::string& text) {
     return ranges;
 }
 
+// ImGui's own reader of files ends the program if it cannot read one.
 ImFont* add_font(ImFontAtlas& atlas, float size_px, const ImVector<ImWchar>& ranges) {
-    if (std::filesystem::exists(kFont)) return atlas.AddFontFromFileTTF(kFont, size_px, nullptr, ranges.Data);
-    ImFontConfig own;
-    own.SizePixels = size_px;
-    return atlas.AddFontDefault(&own);
+    try {
+        const std::string font = read_whole_file(kFont);
+        void* owned = IM_ALLOC(font.size());  // the atlas frees it
+        std::memcpy(owned, font.data(), font.size());
+        return atlas.AddFontFromMemoryTTF(owned, static_cast<int>(font.size()), size_px, nullptr,
+                                          ranges.Data);
+    } catch (const Error&) {
+        ImFontConfig own;
+        own.SizePixels = size_px;
+        return atlas.AddFontDefault(&own);
+    }
 }
 
 // ImGui's own reader makes U+FFFD of what is too large for its characters.
@@ -92,7 +101,8 @@ bool GuiLayer::wants(const WindowEvent& event) const {
     const ImGuiIO& io = ImGui::GetIO();
     switch (event.kind) {
         case WindowEvent::Kind::kKey:
-            return io.WantCaptureKeyboard;
+            // ImGui wants all keys while the mouse holds an item, but only a text field has a use for them.
+            return event.pressed && io.WantTextInput;
         case WindowEvent::Kind::kMotion:
         case WindowEvent::Kind::kButton:
             return io.WantCaptureMouse && !window_->pointer_grabbed();

@@ -23,7 +23,7 @@ class GuiLayer : boost::noncopyable {
     void begin();
     void end();
 
-    // ImGui has the mouse or the keyboard: the event is not meant for the scene.
+    // ImGui has the mouse, or a text field takes the key: the event is not meant for the scene. Releases of keys are for both.
     bool wants(const WindowEvent& event) const;
     // Of pages, twice the size of ImGui's own text.
     ImFont* large_font() const { return large_; }

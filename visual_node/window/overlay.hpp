@@ -7,6 +7,7 @@
 #include <boost/core/noncopyable.hpp>
 
 #include "common/time.hpp"
+#include "visual_node/person_flows.hpp"
 #include "visual_node/window/gl_window.hpp"
 
 namespace thimble {
@@ -16,7 +17,8 @@ class FrameTimes;  // frame_times.hpp: how long each stage from hand to light to
 struct OverlayFrame {
     const GlWindow& window;
     const FrameTimes* times = nullptr;  // null where no scene is drawn
-    std::optional<bool> hand_holds{};   // whether the pointer has the needle; nothing where it never does
+    std::optional<bool> hand_holds{};   // whether a hand here has the needle; nothing where none ever does
+    HandKind hand_kind = HandKind::kMouse;
 };
 
 class Overlay : boost::noncopyable {

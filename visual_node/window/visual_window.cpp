@@ -45,6 +45,11 @@ std::optional<Vibration> make_vibration(const VisualSettings& settings, bool pla
     return std::optional<Vibration>(std::in_place, settings.vibration_device);
 }
 
+HandKind hand_kind(const VisualSettings& settings) {
+    if (settings.hid) return HandKind::kDevice;
+    return settings.keyboard ? HandKind::kKeyboard : HandKind::kMouse;
+}
+
 // Stamps of the master and of slave_sim count on this machine's clock where all of them are this machine.
 bool one_clock(const NetworkSettings& network) {
     return network.host(Role::kMaster) == network.host(Role::kVisual) &&
@@ -101,7 +106,7 @@ WindowVisual::WindowVisual(const VisualSettings& settings, VisualWindowOptions o
       vibration_(make_vibration(settings, options.player)),
       loop_({&window_, &display_, settings.pointer ? &hand_ : nullptr, overlay_.get(), beeper_.get(), &pages_,
              settings.subject_goes_on && !options.player, subject_points_,
-             vibration_ ? &*vibration_ : nullptr, shows_beep(settings, beeper_.get()), settings.keyboard},
+             vibration_ ? &*vibration_ : nullptr, shows_beep(settings, beeper_.get()), hand_kind(settings)},
             settings.smoothing, one_clock(sockets.settings())),
       stale_(settings.stale),
       process_(instance, settings, sockets, display_, settings.pointer ? &hand_ : nullptr) {

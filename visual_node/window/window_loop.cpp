@@ -111,7 +111,8 @@ void WindowLoop::turn_to(const Page& page) {
 void WindowLoop::handle(const WindowEvent& event) {
     if (event.kind == WindowEvent::Kind::kKey && event.pressed && page_.take_key(event.key)) return;
     if (event.kind == WindowEvent::Kind::kKey && event.pressed && !event.repeated) handle_key(event);
-    if (event.kind == WindowEvent::Kind::kKey && parts_.keyboard) controls_.hold_arrow(event);
+    if (event.kind == WindowEvent::Kind::kKey && parts_.hand_kind == HandKind::kKeyboard)
+        controls_.hold_arrow(event);
     if (event.kind == WindowEvent::Kind::kButton && event.pressed) return handle_button();
     if (parts_.hand == nullptr) return;
     if (event.kind == WindowEvent::Kind::kMotion && parts_.window->pointer_grabbed()) {
@@ -126,7 +127,7 @@ void WindowLoop::handle(const WindowEvent& event) {
 void WindowLoop::handle_button() {
     if (page_.asks()) return;  // beside the answers
     ask_to_go_on();
-    if (parts_.hand == nullptr || parts_.keyboard) return;
+    if (parts_.hand == nullptr || parts_.hand_kind != HandKind::kMouse) return;
     parts_.window->grab_pointer(true);
     parts_.hand->take_hold();
 }
@@ -177,8 +178,9 @@ std::string WindowLoop::keys() const {
         "Backspace EMERGENCY STOP: no force until the stop is released\n"
         "          (in a number field it deletes the number)\n";
     if (parts_.hand != nullptr) {
-        text += parts_.keyboard ? "Down      hold it to push the needle in; Up pulls it out\n"
-                                : "click     take the needle; then move down to push it in\n";
+        text += parts_.hand_kind == HandKind::kKeyboard
+                    ? "Down      hold it to push the needle in; Up pulls it out\n"
+                    : "click     take the needle; then move down to push it in\n";
         text += "Esc       release the needle\n";
         if (!parts_.stays_open) text += "F10       close the window and end\n";
     }
@@ -225,7 +227,7 @@ std::optional<Scene> WindowLoop::scene_at(SessionTime now) {
     auto scene = playout_.at(now);
     stale_ = scene && scene->stale;
     controls_.vibrate(now, scene);
-    if (scene && scene->cut_away && parts_.hand != nullptr) {
+    if (scene && scene->cut_away && hand_is_here()) {
         const HandInput hand = parts_.hand->hand();
         if (hand.engaged) scene->cut_away->position_hand_m = kPositionScale * hand.position_hand_m;
     }
@@ -242,7 +244,8 @@ void WindowLoop::draw_notices() const {
 
 void WindowLoop::draw_overlay(SessionTime now) {
     OverlayFrame frame{*parts_.window, parts_.display == nullptr ? nullptr : &times_};
-    if (parts_.hand != nullptr) frame.hand_holds = parts_.hand->hand().engaged;
+    frame.hand_kind = parts_.hand_kind;
+    if (hand_is_here()) frame.hand_holds = parts_.hand->hand().engaged;
     parts_.overlay->draw(now, frame);
 }
 

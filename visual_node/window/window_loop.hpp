@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "visual_node/person_flows.hpp"
 #include "visual_node/visual_settings.hpp"
 #include "visual_node/window/beeper.hpp"
 #include "visual_node/window/frame_times.hpp"
@@ -35,7 +36,7 @@ class WindowLoop {
     struct Parts {
         GlWindow* window;
         WindowDisplay* display = nullptr;  // null: no scene, only the overlay
-        PointerHand* hand = nullptr;       // null: the pointer moves nothing
+        PointerHand* hand = nullptr;       // null: nothing here moves the needle
         Overlay* overlay = nullptr;
         Beeper* beeper = nullptr;
         const PageSet* pages = nullptr;  // null: the program's own words, and no questions
@@ -43,8 +44,8 @@ class WindowLoop {
         // A subject with the pointer: nothing that a subject does closes the window.
         bool stays_open = false;
         Vibration* vibration = nullptr;
-        bool beep_shown = false;  // as a bright frame
-        bool keyboard = false;    // the arrow keys move the hand, and the mouse does not
+        bool beep_shown = false;                // as a bright frame
+        HandKind hand_kind = HandKind::kMouse;  // only this one moves the hand, and a gamepad
     };
     // `one_clock`: as in FrameTimes.
     WindowLoop(const Parts& parts, Duration smoothing, bool one_clock);
@@ -74,6 +75,7 @@ class WindowLoop {
     void ask_to_go_on();
     void wait_until(SessionTime begin, const std::function<bool()>& stop);
     void take_events(SessionTime now, std::span<const WindowEvent> events);
+    bool hand_is_here() const { return parts_.hand != nullptr && parts_.hand_kind != HandKind::kDevice; }
     int scene_width() const;
     bool draw(SessionTime now);
     std::optional<Scene> scene_at(SessionTime now);

@@ -135,6 +135,33 @@ TEST(MonitorHistory, BetweenTrialsNothingIsAddedAndTimeStands) {
     EXPECT_NEAR(history.end_s(at(seconds{9})), 0.004, 1e-9);
 }
 
+TEST(MonitorHistory, OneForceHasOneSignInHandAndNeedle) {
+    MonitorHistory history(10);
+    Monitor monitor = running_at(0.004);
+    monitor.force_total_N = -0.4;
+    monitor.force_hand_N = 0.4;
+    history.add(at(milliseconds{4}), 1, monitor);
+    for (const Quantity quantity : {Quantity::kForceTotal_N, Quantity::kForceHand_N})
+        EXPECT_EQ(columns_of(history, quantity, 0, 0.004, 4)[1].last, 0.4);
+}
+
+TEST(MonitorHistory, AReplayThatStandsStillKeepsItsPlot) {
+    MonitorHistory history(10);
+    for (int i = 0; i < 2500; ++i) history.add(at(i * milliseconds{4}), 1, running_at(2.5), true);
+    EXPECT_EQ(history.size(), 1U);
+    EXPECT_EQ(history.end_s(at(seconds{10})), 2.5);
+    history.add(at(seconds{10}), 1, running_at(2.504), true);
+    EXPECT_NEAR(history.end_s(at(seconds{11})), 3.504, 1e-9);  // it goes on, and then it is silent
+}
+
+TEST(MonitorHistory, ASlowReplayFillsItsWindow) {
+    MonitorHistory history(10);
+    for (int i = 0; i <= 30'000; ++i) history.add(at(i * milliseconds{4}), 1, running_at(i * 0.0004), true);
+    EXPECT_NEAR(history.end_s(at(seconds{120})), 12, 1e-9);
+    for (const Column& column : columns_of(history, Quantity::kNeedle_m, 2, 0.1, 100))
+        EXPECT_TRUE(column.present);
+}
+
 TEST(MonitorHistory, HoldsItsWindowAndForgetsWhatIsOlder) {
     MonitorHistory history(2);
     fill(history, 5000, [](double time_s) { return time_s; });

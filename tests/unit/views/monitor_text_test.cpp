@@ -68,11 +68,17 @@ TEST(MonitorText, ReadingsFollowTheMonitor) {
     monitor.position_fixture_m = 0.125;
     monitor.phase = TissuePhase::kPenetrated;
     monitor.energy_in_J = -0.0021;
+    monitor.force_tissue_N = -0.4;
+    monitor.force_fixture_N = -3;
+    monitor.force_hand_N = 3.4;
     monitor.accepted = 12345678901ULL;
     monitor.refused = 3;
     EXPECT_EQ(value_of(monitor, "needle"), "130.00 mm");
     EXPECT_EQ(value_of(monitor, "in tissue"), "110.00 mm");
     EXPECT_EQ(value_of(monitor, "beyond fixture"), "5.00 mm");
+    EXPECT_EQ(value_of(monitor, "tissue force"), "0.40 N");
+    EXPECT_EQ(value_of(monitor, "fixture force"), "3.00 N");
+    EXPECT_EQ(value_of(monitor, "handle force"), "3.40 N");
     EXPECT_EQ(value_of(monitor, "port energy"), "-2.10 mJ, gives out more than it received");
     EXPECT_EQ(value_of(monitor, "packets"), "12345678901 in, 3 rejected");
     monitor.fixture_present = false;

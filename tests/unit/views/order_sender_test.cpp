@@ -109,6 +109,10 @@ TEST(OrderSender, EachKindHasItsOwnProof) {
         ++bench.view.trial;
     }));
     EXPECT_FALSE(shows(order_of(OrderKind::kStart, 0, Modality::kCF), [&] { ++bench.view.trial; }));
+    EXPECT_TRUE(shows(order_of(OrderKind::kStart, 0, Modality::kCF), [&] {
+        monitor.trials = 5;  // the plan says which modality is next
+        ++bench.view.trial;
+    }));
     EXPECT_TRUE(shows(order_of(OrderKind::kEndTrial), [&] { monitor.state = NodeState::kIdle; }));
     EXPECT_TRUE(shows(order_of(OrderKind::kSeek, 12), [&] { monitor.time_s = 12.1; }));
     EXPECT_TRUE(shows(order_of(OrderKind::kQuit), [&] { bench.view.silent = true; }));

@@ -1,5 +1,6 @@
 #include "visual_node/views/player_model.hpp"
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <set>
@@ -76,6 +77,22 @@ TEST(PlayerModel, TheHintDoesNotFlipWhereTheNeedleOscillates) {
     monitor.position_needle_m = 0.09;  // pulled back, and held there
     bench.pass(1300);
     EXPECT_NE(std::string_view(bench.model.hint()).find("inside"), std::string_view::npos);
+}
+
+TEST(PlayerModel, HintsNameTheHandThatMovesTheNeedle) {
+    const std::array<std::pair<HandKind, std::string>, 3> words{
+        {{HandKind::kMouse, "mouse"}, {HandKind::kKeyboard, "Hold"}, {HandKind::kDevice, "your device"}}};
+    for (const auto& [kind, word] : words) {
+        PlayerBench bench;
+        bench.session.monitor.state = NodeState::kRunning;
+        bench.session.monitor.position_fixture_m = 0.12;
+        for (const bool beeped : {false, true}) {
+            bench.session.monitor.beeped = beeped;
+            bench.model.set_hand(kind == HandKind::kDevice ? std::nullopt : std::optional(true), kind);
+            bench.pass(4);
+            EXPECT_NE(std::string_view(bench.model.hint()).find(word), std::string_view::npos) << word;
+        }
+    }
 }
 
 TEST(PlayerModel, TellsWhatToExpectOfEachModality) {

@@ -2,6 +2,7 @@
 #include "visual_node/views/stop_control.hpp"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -19,7 +20,11 @@ class Ear final : public Channel {
   public:
     explicit Ear(Channel& channel) : channel_(&channel) {}
     void send(Bytes datagram) override { channel_->send(datagram); }
-    void answer(Bytes datagram) override { channel_->send(datagram); }
+    void answer(Bytes datagram) override {
+        answered.assign(datagram.begin(), datagram.end());
+        channel_->send(datagram);
+    }
+    std::vector<std::uint8_t> answered;  // the last one
 
   private:
     Bytes take() override { return channel_->receive(); }
@@ -109,6 +114,23 @@ TEST_F(StopControlTest, AStopThatAnotherProgramHasPressedIsShownAndReleased) {
     EXPECT_EQ(stopped(), 0);
     pass(1500, false);
     EXPECT_FALSE(control->holds());
+}
+
+// To a question, and to a stop: neither shows a stop that is over, nor makes the button release.
+TEST_F(StopControlTest, ARecordedAnswerCountsForNothing) {
+    for (const int ms : {20, 2000}) {
+        pass(20, true);
+        pass(ms, false);
+        const std::vector<std::uint8_t> recorded = ears_[1]->answered;
+        ASSERT_FALSE(recorded.empty());
+        pass(2000, false);
+        pass(2000, true);
+        ASSERT_EQ(stopped(), 0);
+        pass(2000, false);
+        pipes_[1].b.send(recorded);
+        pass(60, false);
+        EXPECT_FALSE(control->holds()) << ms;
+    }
 }
 
 TEST_F(StopControlTest, AStopWhileAReleaseIsUnderWayHolds) {

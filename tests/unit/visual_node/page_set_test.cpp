@@ -44,6 +44,9 @@ TEST(PageSet, TheShippedOnesAskTheSameInEachLanguage) {
         const PageSet pages = pages_of(std::string(set.text));
         EXPECT_EQ(ids_of(pages), ids_of(first)) << set.name;
         ASSERT_TRUE(pages.consent) << set.name;
+        ASSERT_TRUE(pages.instructions.go_on) << set.name;
+        for (const PageWords& words : pages.instructions.pages)
+            EXPECT_THAT(words.body.value_or(""), testing::Not(HasSubstr(*pages.instructions.go_on)));
         EXPECT_THAT(named_modalities(pages.instructions), testing::IsEmpty()) << set.name;
         EXPECT_EQ(pages.shown().size(), 15U) << set.name;
     }
@@ -60,6 +63,16 @@ TEST(PageSet, ASessionNamesOneAndItsOwnWordsWin) {
     const ConfigFile other = ConfigFile::parse("[instructions]\npages = 'xx.toml'\n", "session.toml");
     EXPECT_THAT(refusal([&] { other.read_all([&] { read_pages(other); }); }, ExitCode::kUsage),
                 testing::AllOf(HasSubstr("[instructions] pages is xx.toml"), HasSubstr("it.toml")));
+}
+
+TEST(PageSet, ABreakHasTheTextOfTheProtocolUnlessThePagesHaveOne) {
+    const auto rest = [](const std::string& text) {
+        const ConfigFile file = ConfigFile::parse("[protocol]\nbreak_text = 'Rest {5}'\n" + text, "s.toml");
+        const PageSet pages = read_pages(file);
+        return fill_in(pages.instructions.of(PageKind::kBreak).body.value_or(""), {.remaining_s = 65});
+    };
+    EXPECT_EQ(rest(""), "Rest {5}\n1:05 to go");
+    EXPECT_EQ(rest("[instructions]\nbreak = 'Pause'\n"), "Pause");
 }
 
 TEST(PageSet, MistakesAreNamed) {

@@ -30,6 +30,9 @@ TEST(PageText, ALabsOwnWordsStandInPlaceOfOurs) {
     const PageText ready = page_text(page_of(PageKind::kReady), words, true);
     EXPECT_EQ(ready.title, "Bereit?");
     EXPECT_EQ(ready.body, "Versuch 3") << "and nothing added";
+    words.go_on = "Leertaste!";
+    EXPECT_EQ(page_text(page_of(PageKind::kReady), words, true).body, "Versuch 3\n\nLeertaste!");
+    EXPECT_EQ(page_text(page_of(PageKind::kReady), words, false).body, "Versuch 3");
     const PageText done = page_text(page_of(PageKind::kDone), words, true);
     EXPECT_EQ(done.title, "Fertig");
     EXPECT_EQ(done.body, page_text(page_of(PageKind::kDone)).body);
