@@ -53,6 +53,14 @@ void write_note(const Dataset& dataset, std::uint32_t participant, const std::st
     TsvFile(dataset.corrections(), kColumns).append(fmt::format("{}", fmt::join(fields, "\t")));
 }
 
+// A trial that was run again counts as its repeat: nothing brings the replaced record back.
+std::string why_already(const Exclusion* there, const DatasetRecord& record) {
+    if (there != nullptr) return ": " + there->reason;
+    if (record.repeat_of == 0) return {};
+    return fmt::format(": record {} was run instead of record {}, which stays left out", record.record,
+                       record.repeat_of);
+}
+
 void mark(const std::filesystem::path& folder, const std::string& name, std::uint32_t position,
           ExclusionKind kind, const CorrectionNote& note) {
     const Dataset dataset = dataset_in(folder);
@@ -63,7 +71,7 @@ void mark(const std::filesystem::path& folder, const std::string& name, std::uin
     const std::string before = there == nullptr ? "included" : to_string(there->kind);
     if (before == to_string(kind))
         throw Error(ExitCode::kUsage, "trial {} of {} is {} already{}", position, name, before,
-                    there == nullptr ? "" : ": " + there->reason);
+                    why_already(there, record));
     write_note(dataset, participant, fmt::format("trial {} (record {})", position, record.record), before,
                to_string(kind), note);
     add_exclusion(dataset.exclusions(), {participant, position, record.record, kind, note.reason});

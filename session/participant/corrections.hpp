@@ -20,7 +20,7 @@ struct CorrectionNote {
 // By its position in the order: the trial's newest record is left out of the analysis.
 void exclude_trial(const std::filesystem::path& folder, const std::string& participant,
                    std::uint32_t position, const CorrectionNote& note);
-// Takes back that it was excluded or rejected.
+// Takes back that it was excluded, or rejected and not run again.
 void include_trial(const std::filesystem::path& folder, const std::string& participant,
                    std::uint32_t position, const CorrectionNote& note);
 // A field of participants.tsv: age, sex, handedness or haptic_experience.

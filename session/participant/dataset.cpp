@@ -138,6 +138,7 @@ std::string age_text(const std::string& years) {
 std::string add_participant(const Dataset& dataset, std::uint32_t participant, SubjectKind kind,
                             const PersonDescription& person) {
     const std::string ours = line_of(participant, kind, person);
+    const TurnLock lock(dataset.description());
     TsvFile table(dataset.participants(), kPersonColumns);
     CsvReader reader(dataset.participants(), kPersonColumns, '\t');
     while (reader.next()) {
@@ -173,6 +174,7 @@ std::string person_field(const Dataset& dataset, std::uint32_t participant, std:
 
 void set_person_field(const Dataset& dataset, std::uint32_t participant, std::string_view column,
                       const std::string& value) {
+    const TurnLock lock(dataset.description());
     PersonTable table = table_of_people(dataset);
     field_in(table, participant, column) = value;
     table.write();

@@ -221,9 +221,11 @@ void export_participant_session(const Dataset& dataset, const fs::path& to, Moti
                 fmt::format("record{:03}_experiment{}_{}", record.record, c.experiment, trajectory_name(c));
             out.add_trial({"needle", record.record, record.row, folder / name});
         }
-        out.copy(fs::relative(dataset.records(participant), dataset.folder()));
+        for (const fs::path& file : {dataset.records(participant), dataset.order(participant)})
+            out.copy(fs::relative(file, dataset.folder()));
     }
-    for (const char* name : {"participants.tsv", "participants.json", "task-needle_beh.json", "README.md"})
+    for (const char* name : {"participants.tsv", "participants.json", "task-needle_beh.json", "README.md",
+                             "exclusions.tsv", "attention.tsv", "corrections.tsv", ".bidsignore"})
         out.copy(name);
     write_motion_description(to, read_description(dataset.description()));
 }

@@ -287,6 +287,7 @@ void ParticipantSession::do_trial(const Step& step) {
         fmt::format("record{:03}_experiment{}_{}", record.record, c.experiment, trajectory_name(c));
     keep_aside(trajectory);
     const TrialRecord& trial = runner_.run(c, record.number, trajectory);
+    if (commands() != nullptr) commands()->forget_enter();
     record.row = make_row(trial);
     table_.append(record);
     agenda_.records.push_back(record);

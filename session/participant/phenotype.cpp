@@ -104,14 +104,20 @@ void check_phenotype(const Dataset& dataset, const PageSet& pages, std::uint32_t
 }
 
 void open_phenotype(const Dataset& dataset, const PageSet& pages, std::uint32_t blocks) {
+    const TurnLock lock(dataset.description());
     const auto people = read_participants(dataset);
     for_each_table(dataset, pages, blocks, [&people](PersonTable table, const Json& meanings) {
-        for (const std::uint32_t participant : people) table.line_of(participant);
-        write_table(table, meanings);
+        bool whole = is_table(table.file());
+        for (const std::uint32_t participant : people) {
+            whole = whole && table.find(participant) != nullptr;
+            table.line_of(participant);
+        }
+        if (!whole) write_table(table, meanings);
     });
 }
 
 void write_answers(const Dataset& dataset, const Questionnaire& form, const FilledForm& filled) {
+    const TurnLock lock(dataset.description());
     PersonTable table = table_of(dataset, form, filled.block);
     Line& line = table.line_of(filled.participant);
     line[kTime] = filled.time_utc;
@@ -122,6 +128,7 @@ void write_answers(const Dataset& dataset, const Questionnaire& form, const Fill
 
 void write_consent(const Dataset& dataset, const ConsentPage& page, std::uint32_t participant,
                    const std::string& time_utc) {
+    const TurnLock lock(dataset.description());
     PersonTable table = consent_table(dataset);
     table.line_of(participant) = {participant_id(participant), time_utc, "yes", tsv_text(page.version)};
     write_table(table, meanings_of(page));

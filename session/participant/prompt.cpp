@@ -12,6 +12,7 @@ namespace thimble {
 namespace {
 
 constexpr std::size_t kLongestTypedLine = 65536;
+constexpr int kMostTypedLines = 4096;  // so many empty lines wait in a terminal of Linux
 
 }  // namespace
 
@@ -36,6 +37,17 @@ std::optional<std::string> DescriptorLines::take_line() {
     }
     if (ended_ && !buffer_.empty()) return std::exchange(buffer_, {});
     return std::nullopt;
+}
+
+void DescriptorLines::forget_enter() {
+    if (::isatty(descriptor_) != 1) return;
+    std::string kept;
+    for (int i = 0; i < kMostTypedLines; ++i) {
+        const auto line = take_line();
+        if (!line) break;
+        if (parse_prompt_line(*line).kind != PromptKind::kGoOn) kept += *line + '\n';
+    }
+    buffer_.insert(0, kept);
 }
 
 // No further than the end of a line: an input that never pauses would hold the session.

@@ -52,6 +52,8 @@ class LineSource : boost::noncopyable {
 
     // The next whole line, without its end; nothing if none is there yet.
     virtual std::optional<std::string> take_line() = 0;
+    // Forgets the empty lines that a person typed while a trial ran. Lines of a script stay.
+    virtual void forget_enter() {}
     // No line will come any more.
     virtual bool ended() const = 0;
 };
@@ -64,6 +66,10 @@ class TwoLineSources final : public LineSource {
         auto line = one_->take_line();
         return line ? line : other_->take_line();
     }
+    void forget_enter() override {
+        one_->forget_enter();
+        other_->forget_enter();
+    }
     bool ended() const override { return one_->ended() && other_->ended(); }
 
   private:
@@ -75,6 +81,7 @@ class DescriptorLines final : public LineSource {
   public:
     explicit DescriptorLines(int descriptor) : descriptor_(descriptor) {}
     std::optional<std::string> take_line() override;
+    void forget_enter() override;
     bool ended() const override { return ended_ && buffer_.empty(); }
 
   private:

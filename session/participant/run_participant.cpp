@@ -172,13 +172,14 @@ Consent consent_of(const SystemSettings& settings, const ParticipantRun& run, co
 }
 
 // Without consent nothing of the person is kept, but for what the person consented to before.
-ParticipantSessionResult end_without_consent(const Dataset& dataset, std::uint32_t participant, bool begun,
+ParticipantSessionResult end_without_consent(const Dataset& dataset, std::uint32_t participant,
                                              Consent consent, RealTrials& trials) {
     Page done;
     done.kind = PageKind::kDone;
     trials.show(done);
     trials.idle(std::chrono::seconds{1});
     trials.close();
+    const bool begun = has_begun(dataset, participant);  // perhaps by another session, during the question
     if (!begun) std::filesystem::remove_all(dataset.source(participant));
     ParticipantSessionResult result;
     result.participant = participant;
@@ -230,7 +231,6 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
     if (kind == SubjectKind::kHuman) check_phenotype(dataset, settings.pages, order.back().block);
     if (run.check_screen) run.check_screen();
 
-    const bool begun = has_begun(dataset, participant);
     dataset.open(kind, settings.dataset);
     if (run.view) run.view->planned(order.size());
     RealTrials trials(condition_plan(settings, run, dataset, participant, order.front().conditions.delay_s),
@@ -239,7 +239,7 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
     TwoLineSources both(typed, run.view ? *run.view->lines : typed);
     LineSource* const answers = experimenter_answers(settings, run) ? &both : nullptr;
     const Consent consent = consent_of(settings, run, dataset, participant, order.size(), trials, answers);
-    if (consent != Consent::kGiven) return end_without_consent(dataset, participant, begun, consent, trials);
+    if (consent != Consent::kGiven) return end_without_consent(dataset, participant, consent, trials);
     // The order first: an analysis asks for the order of every participant that is in the table.
     if (!written) write_order(dataset.order(participant), order);
     PersonDescription person = run.person;

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
+#include <fcntl.h>
 #include <filesystem>
 #include <limits>
 #include <span>
 #include <string>
 #include <string_view>
+#include <sys/file.h>
 #include <utility>
 #include <vector>
 
@@ -18,6 +21,7 @@
 #include "common/csv/columns.hpp"
 #include "common/csv/csv_file.hpp"
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "session/records/participant.hpp"
 
 namespace thimble {
@@ -94,6 +98,18 @@ inline void write_whole(const std::filesystem::path& path, std::string_view text
         throw Error(ExitCode::kRunFailed, "{}: cannot be put in place: {}", path.string(), failure.message());
     }
 }
+
+// Sessions in one dataset take turns: each reads, changes and replaces a table while it has such a lock on `file`. Without that
+// file, or on a file system without locks, none of them waits.
+class TurnLock {
+  public:
+    explicit TurnLock(const std::filesystem::path& file) : file_(::open(file.c_str(), O_RDWR | O_CLOEXEC)) {
+        while (file_.get() >= 0 && ::flock(file_.get(), LOCK_EX) != 0 && errno == EINTR) continue;
+    }
+
+  private:
+    FileDescriptor file_;
+};
 
 // A table of participants that is small and replaced as a whole: a reader finds the old one or the new one.
 class PersonTable {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "session/participant/dataset.hpp"
+#include "session/participant/record_table.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
 #include "tests/full_disk.hpp"
@@ -107,6 +108,25 @@ TEST_F(MotionBids, WhatHoldsNothingIsRefused) {
     std::filesystem::remove_all(study() / "trajectories");
     EXPECT_THROW(export_motion(study(), bids()), Error);
     EXPECT_THROW(export_motion(folder_ / "none", bids()), Error);
+}
+
+TEST_F(MotionBids, OrdersExclusionsAndCorrectionsOfParticipantsComeAlong) {
+    const Dataset dataset(folder_ / "people");
+    dataset.open(SubjectKind::kVirtual, {});
+    add_participant(dataset, 1, SubjectKind::kVirtual, {});
+    DatasetRecord record;
+    record.row = read_trial_table(study() / "trials.csv").front();
+    RecordTable(dataset.records(1)).append(record);
+    std::filesystem::create_directory(dataset.folder() / "orders");
+    const auto samples = dataset.source(1) / "trajectories";
+    std::filesystem::create_directories(samples);
+    std::filesystem::copy_file(study() / "trajectories" / "experiment3_subject01_trial01_CF_50ms.csv",
+                               samples / "record001_experiment3_trial01_CF_50ms.csv");
+    const auto names = {"orders/sub-01_order.tsv", "exclusions.tsv", "attention.tsv", "corrections.tsv"};
+    for (const char* name : names) write_text(dataset.folder() / name, "lines\n");
+    EXPECT_EQ(export_motion(dataset.folder(), bids()).trials, 1U);
+    for (const char* name : names) EXPECT_EQ(read_text(bids() / name), "lines\n") << name;
+    EXPECT_EQ(read_text(bids() / ".bidsignore"), read_text(dataset.folder() / ".bidsignore"));
 }
 
 TEST_F(MotionBids, AFullDiskUnderACopyIsAFailureOfTheRun) {

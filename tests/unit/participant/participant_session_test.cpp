@@ -84,6 +84,16 @@ class WishAfter final : public LineSource {
     bool said_ = false;
 };
 
+// Enter, again and again.
+class HeldEnter final : public LineSource {
+  public:
+    std::optional<std::string> take_line() override { return std::string(); }
+    void forget_enter() override { ++forgotten; }
+    bool ended() const override { return false; }
+
+    int forgotten = 0;
+};
+
 class ParticipantSessionTest : public testing::Test {
   protected:
     ParticipantSessionTest() : dataset_(directory_ / "d"), settings_(*short_settings().protocol) {
@@ -167,6 +177,14 @@ TEST_F(ParticipantSessionTest, BothMayGoOnAndTheLastWordIsTheExperimenters) {
     trials_.stop_after = 6;
     EXPECT_EQ(run_to_end(&reject).code, ExitCode::kRunFailed);
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5, 5));
+}
+
+TEST_F(ParticipantSessionTest, AfterEachTrialItForgetsTheEnterOfBothSources) {
+    settings_.break_every = 0;
+    HeldEnter enter;
+    TwoLineSources both(enter, enter);
+    EXPECT_EQ(run_to_end(&both).code, ExitCode::kOk);
+    EXPECT_EQ(enter.forgotten, 2 * 5);
 }
 
 TEST_F(ParticipantSessionTest, VirtualSubjectsDoNotRest) {

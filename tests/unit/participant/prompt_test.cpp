@@ -2,7 +2,9 @@
 #include "session/participant/prompt.hpp"
 
 #include <array>
+#include <cstdlib>
 #include <fcntl.h>
+#include <poll.h>
 #include <string>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -82,6 +84,27 @@ TEST(DescriptorLines, LinesComeWhenTheyAreWhole) {
     EXPECT_EQ(lines.take_line(), "x");  // a last line without an end
     EXPECT_FALSE(lines.take_line().has_value());
     EXPECT_TRUE(lines.ended());
+}
+
+TEST(DescriptorLines, ATerminalForgetsEnterAndNoCommandAndAPipeForgetsNothing) {
+    const FileDescriptor window(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
+    ASSERT_TRUE(::grantpt(window.get()) == 0 && ::unlockpt(window.get()) == 0) << "no pseudo-terminal";
+    const char* const name = ::ptsname(window.get());  // NOLINT(concurrency-mt-unsafe): one thread
+    const FileDescriptor terminal(::open(name, O_RDWR | O_NOCTTY | O_CLOEXEC));
+    DescriptorLines typed(terminal.get());
+    ASSERT_EQ(::write(window.get(), "\nr sneezed\n\n", 12), 12);
+    int there = 0;  // the kernel hands the lines over one by one
+    for (int i = 0; i < 1000 && there < 12 && ::ioctl(terminal.get(), FIONREAD, &there) == 0; ++i)
+        ::poll(nullptr, 0, 10);
+    ASSERT_EQ(there, 12);
+    typed.forget_enter();
+    EXPECT_EQ(typed.take_line(), "r sneezed");
+    EXPECT_FALSE(typed.take_line().has_value());
+    Pipe pipe;
+    DescriptorLines script(pipe.reading_end());
+    pipe.write("\n");
+    script.forget_enter();
+    EXPECT_EQ(script.take_line(), "");
 }
 
 // /dev/zero never pauses, as `yes ''` does not.

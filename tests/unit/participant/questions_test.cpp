@@ -1,7 +1,9 @@
 // Consent, questionnaires, attention trials and corrections of a participant session, with trials that are over at once.
 #include "session/participant/questions.hpp"
 
+#include <algorithm>
 #include <deque>
+#include <future>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -159,6 +161,10 @@ TEST_F(Questions, ARejectedTrialPutsOffTheQuestionsOfItsBlock) {
                              Contains(HasSubstr("questionnaire load comes after the repeat")),
                              Contains("trial 3 is excluded: late")));
     EXPECT_THAT(phenotype("load_block1.tsv"), HasSubstr("Z\tn/a\tn/a\n"));
+    const auto include = [&] { include_trial(dataset_.folder(), "P02", 3, {"LS", "not late", ""}); };
+    include();
+    EXPECT_THAT(refusal(include, ExitCode::kUsage),
+                HasSubstr("is included already: record 4 was run instead of record 3"));
 }
 
 TEST_F(Questions, HearAViewTheInputsEndAndAnEmergencyStop) {
@@ -238,6 +244,32 @@ TEST_F(Questions, ChangedQuestionsAreNoticedBeforeAnythingIsWritten) {
     pages_.questionnaires[1].questions.pop_back();
     EXPECT_THAT(refusal([&] { check_phenotype(dataset_, pages_, 2); }),
                 HasSubstr("the questions of questionnaire load differ from those in this dataset"));
+}
+
+TEST_F(Questions, TwoSessionsInOneDatasetKeepEachOthersAnswers) {
+    dataset_.open(SubjectKind::kHuman, {});
+    const auto answer = [this](std::uint32_t first) {
+        for (std::uint32_t i = 0; i < 40; i += 2)
+            write_answers(dataset_, pages_.questionnaires[0], {first + i, 0, "now", {31.0}});
+    };
+    auto other = std::async(std::launch::async, answer, 1U);
+    answer(2);
+    other.get();
+    const std::string lines = phenotype("about.tsv");
+    EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 1 + 40);
+}
+
+TEST_F(Questions, ATableThatLacksNobodyIsNotReplaced) {
+    dataset_.open(SubjectKind::kHuman, {});
+    add_participant(dataset_, 2, SubjectKind::kHuman, {});
+    open_phenotype(dataset_, pages_, 1);
+    const auto table = dataset_.folder() / "phenotype" / "about.tsv", same = directory_ / "same";
+    std::filesystem::create_hard_link(table, same);
+    open_phenotype(dataset_, pages_, 1);
+    EXPECT_TRUE(std::filesystem::equivalent(table, same));
+    add_participant(dataset_, 3, SubjectKind::kHuman, {});
+    open_phenotype(dataset_, pages_, 1);
+    EXPECT_THAT(phenotype("about.tsv"), HasSubstr("sub-03\tn/a\tn/a\n"));
 }
 
 TEST_F(Questions, WhoHasAgreedOrIsInTheTableIsKnown) {
