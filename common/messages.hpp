@@ -303,7 +303,7 @@ struct ForceWave {
 
 // A program that stops everything -> all programs. Also a release, and the question which stops are held (stop_bus.hpp).
 struct StopOrder {
-    std::uint64_t id = 0;  // of a stop: random; of a release: the stop's; of a question: nothing
+    std::uint64_t id = 0;  // of a stop and of a question: random; of a release: the stop's
     std::uint32_t held_ms =
         0;  // of an answer to a question: for how long it has been held there; otherwise 0
     StopKind kind = StopKind::kStop;

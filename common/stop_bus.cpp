@@ -72,10 +72,10 @@ void StopBus::obey(SessionTime now, Role sender, const StopOrder& order) {
     if (order.kind == StopKind::kStop) {
         hold(now, sender, order);
         // A stop from outside is answered at once: a session that it ends may be gone when the question comes.
-        if (sender == Role::kExperimenter) answer(now);
+        if (sender == Role::kExperimenter) answer(now, order.id);
         return;
     }
-    if (order.kind == StopKind::kAsk) return answer(now);
+    if (order.kind == StopKind::kAsk) return answer(now, order.id);
     if (may_release(sender)) return release_one(now, order.id);
     --counters_.accepted;
     ++counters_.refused[static_cast<std::size_t>(Refusal::kUnexpectedKind)];
@@ -126,13 +126,14 @@ void StopBus::repeat(SessionTime now, std::uint64_t release) {
     out_.send(now, 0, StopOrder(release, StopKind::kRelease, EndReason::kEmergencyStop, {}));
 }
 
-void StopBus::answer(SessionTime now) {
+void StopBus::answer(SessionTime now, std::uint64_t id) {
     if (now < next_answer_) return;
     next_answer_ = now + kAnswerEvery;
     for (const Held& held : held_) {
         StopOrder order = held.order;
         order.held_ms = whole_milliseconds(now - held.since);
-        in_->answer(encoder_.encode(Header{instance_, now, ++answers_, 0, role_}, order));
+        const Header header{instance_, now, ++answers_, number_in_answer(id), role_};
+        in_->answer(encoder_.encode(header, order));
     }
 }
 

@@ -5,7 +5,8 @@
 // affects no other stop. Each program rebroadcasts its active stops every kStopPassedOn: so the session knows them
 // all, and a restarted program is stopped too. It answers a question, and a stop of the experimenter, with its active
 // stops and their ages. So a program that has just started can name the stops from before its start
-// (stop_inquiry.hpp), and a stop pressed meanwhile stays active.
+// (stop_inquiry.hpp), and a stop pressed meanwhile stays active. An answer repeats the number of what it answers, so a
+// recorded one counts for nothing.
 //
 // Any program may stop. Only the session and the experimenter may release. No clock: `now` is the caller's.
 #pragma once
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 #include <vector>
 
@@ -34,6 +36,9 @@ inline constexpr Duration kHeldAtLeast = std::chrono::milliseconds{200};
 inline constexpr Duration kPressedLately = std::chrono::seconds{1};
 // The end of every message about a stop.
 inline constexpr std::string_view kHowToRelease = "release it with: thimble stop --release";
+
+// An answer repeats this part of the number of a question or of a stop, in the place of a trial.
+constexpr std::uint32_t number_in_answer(std::uint64_t id) { return static_cast<std::uint32_t>(id); }
 
 // Outlets to the stop buses of all programs, in the order of kStopPorts (network_settings.hpp).
 using StopOutlets = std::array<Channel*, 6>;
@@ -82,7 +87,7 @@ class StopBus {
     void say(SessionTime now, EndReason reason, std::string_view words);
     void release_one(SessionTime now, std::uint64_t id);
     void remind(SessionTime now, std::uint64_t id);
-    void answer(SessionTime now);
+    void answer(SessionTime now, std::uint64_t id);
     void say_what_is_due(SessionTime now);
     void repeat(SessionTime now, std::uint64_t release);
     const Held& shown() const { return held_.empty() ? last_ : held_.front(); }

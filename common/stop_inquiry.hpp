@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <variant>
 #include <vector>
 
@@ -22,16 +23,18 @@ struct LatchedStop {
 class StopInquiry {
   public:
     // `at`: the stop buses of the programs, from which the answers come. `out` sends there. Both outlive this.
-    StopInquiry(OutboundFlow& out, const StopOutlets& at) : out_(&out), at_(at) {
+    // `number`: of the questions, or of the stop that is answered. Never used before: an answer to another one is old.
+    StopInquiry(OutboundFlow& out, const StopOutlets& at, std::uint64_t number)
+        : out_(&out), at_(at), number_(number) {
         held_.reserve(kMostAnswers);
     }
 
     void ask(SessionTime now) {
         if (begun_ == kNever) begun_ = now;
-        out_->send(now, 0, StopOrder(0, StopKind::kAsk, EndReason::kEmergencyStop, {}));
+        out_->send(now, 0, StopOrder(number_, StopKind::kAsk, EndReason::kEmergencyStop, {}));
     }
 
-    // Takes the answers that have come, to questions or to a stop.
+    // Takes the answers to this number that have come.
     void hear(SessionTime now) {
         if (begun_ == kNever) begun_ = now;
         for (Channel* channel : at_) hear(now, *channel);
@@ -49,6 +52,7 @@ class StopInquiry {
             if (decode_into(in, message_)) continue;
             const auto* order = std::get_if<StopOrder>(&message_.body);
             if (order == nullptr || order->kind != StopKind::kStop) continue;
+            if (message_.header.trial != number_in_answer(number_)) continue;
             // The age is that at the answer, which was sent before now.
             const Duration held = std::chrono::milliseconds{order->held_ms};
             note({message_.header.sender, *order, held >= std::max<Duration>(kHeldAtLeast, now - begun_)});
@@ -68,6 +72,7 @@ class StopInquiry {
 
     OutboundFlow* out_;
     StopOutlets at_;
+    std::uint64_t number_;
     SessionTime begun_ = kNever;  // the first call
     std::vector<LatchedStop> held_;
     Message message_;
@@ -84,7 +89,7 @@ class StopRelease : boost::noncopyable {
     // `instance`: random per start. `at`: as StopInquiry has it.
     StopRelease(std::uint64_t instance, const StopOutlets& at)
         : out_(Role::kExperimenter, instance, {at[0], at[1], at[2], at[3], at[4], at[5]}),
-          inquiry_(out_, at) {}
+          inquiry_(out_, at, instance) {}
 
     // kRounds of them, every kStopRepeat.
     void round(SessionTime now) {

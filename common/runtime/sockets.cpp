@@ -50,6 +50,8 @@ Channel* Sockets::inlet(Port local) {
     UdpChannel* channel = open(settings_.at(local), {settings_.host(sender), 0});
     count(*channel, local, std::nullopt);
     if (heard.from_all) channel->listen_also_to({settings_.hosts.begin(), settings_.hosts.end()});
+    // A view that has moved may stop too: the seal proves each order, and the channel only answers.
+    if (heard.from_all && security_ && limit_ == Duration::zero()) channel->let_peer_move();
     if (!security_) return log_data(channel, local);
     return log_data(
         heard.from_all ? stop_end(*channel, local, StopEnd::kListens) : security_->inlet(*channel, local),

@@ -157,6 +157,7 @@ Bytes UdpChannel::take() {
 // In lock-step only the sending program's own ports count, which are bound while it lives.
 bool UdpChannel::of_session() const {
     if (limit_ == Duration::zero()) return true;
+    if (!knows(source_.sin_addr.s_addr)) return false;  // 127.0.0.1, where that port may be another user's
     const int place = ntohs(source_.sin_port) - base_port_;
     if (place < 0 || place >= static_cast<int>(kPortCount)) return false;
     const auto from = static_cast<Port>(place);
@@ -168,7 +169,8 @@ bool UdpChannel::of_session() const {
 // Counts it. An empty datagram carries nothing.
 bool UdpChannel::from_peer(std::size_t size) {
     const in_addr_t host = source_.sin_addr.s_addr;
-    const bool known_host = peer_moves_ || std::find(known_.begin(), known_.end(), host) != known_.end();
+    const bool also = known_loopback_ && host == htonl(INADDR_LOOPBACK);
+    const bool known_host = peer_moves_ || also || knows(host);
     if (!known_host || !(hears_outside_ || of_session())) {
         ++counters_.foreign_source;
     } else if (size > kMaxDatagramBytes) {
@@ -187,7 +189,11 @@ void UdpChannel::listen_also_to(const std::vector<std::string>& hosts) {
 // A program at another address of 127.0.0.0/8 also sends from 127.0.0.1: the kernel gives that to an unbound socket.
 void UdpChannel::know(in_addr_t host) {
     known_.push_back(host);
-    if (is_loopback(ntohl(host))) known_.push_back(htonl(INADDR_LOOPBACK));
+    known_loopback_ = known_loopback_ || is_loopback(ntohl(host));
+}
+
+bool UdpChannel::knows(in_addr_t host) const {
+    return std::find(known_.begin(), known_.end(), host) != known_.end();
 }
 
 void UdpChannel::stamp_arrivals() { stamping_ = socket_.stamp_arrivals(); }

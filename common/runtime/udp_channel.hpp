@@ -44,8 +44,8 @@ class DatagramLost : public Error {
 class UdpChannel final : public Channel, public Listener {
   public:
     // `local`: where to listen; absent for a channel that only sends. `remote`: where to send, and the only
-    // host that is listened to, of one in 127.0.0.0/8 with 127.0.0.1. Throws Error (network) with the address if
-    // the port is taken or a name cannot be resolved.
+    // host that is listened to, of one in 127.0.0.0/8 with 127.0.0.1 (in lock-step only for hear_outside()). Throws Error
+    // (network) with the address if the port is taken or a name cannot be resolved.
     UdpChannel(const std::optional<Endpoint>& local, const Endpoint& remote);
     void send(Bytes datagram) override;
     void answer(Bytes datagram) override;
@@ -93,6 +93,7 @@ class UdpChannel final : public Channel, public Listener {
     Bytes take() override;
     void bind_to(const Endpoint& local);
     void know(in_addr_t host);
+    bool knows(in_addr_t host) const;
     bool of_session() const;
     bool from_peer(std::size_t size);
     void wait_for_announced();
@@ -103,6 +104,7 @@ class UdpChannel final : public Channel, public Listener {
     sockaddr_in remote_{};
     sockaddr_in source_{};          // of what was taken last
     std::vector<in_addr_t> known_;  // hosts
+    bool known_loopback_ = false;   // one of them is in 127.0.0.0/8
     bool peer_moves_ = false;
     UdpCounters counters_;
     bool stamping_ = false;

@@ -104,6 +104,25 @@ TEST(UdpChannel, AHostOfTheLoopbackNetIsHeardFromASocketThatIsBoundToNone) {
     }
 }
 
+// In lock-step its programs send from the ports that they listen at. At 127.0.0.1 these may be another user's.
+TEST(UdpChannel, InLockStepAHostOfTheLoopbackNetIsHeardFromItselfAlone) {
+    for (const bool itself : {false, true}) {
+        const std::string host = itself ? kHere : "127.0.1.1";
+        UdpChannel receiver(Endpoint{host, 0}, Endpoint{host, 0});
+        UdpChannel sender(Endpoint{kHere, 0}, Endpoint{host, port_of(receiver)});
+        const auto base = static_cast<std::uint16_t>(port_of(sender) - static_cast<int>(Port::kNetemControl));
+        receiver.await_announced(Port::kSlaveNeedle, base, std::chrono::milliseconds{100});
+        receiver.announce(1);
+        sender.send(Packet{8});
+        if (itself) {
+            EXPECT_EQ(copy(receiver.receive()), (Packet{8}));
+        } else {
+            EXPECT_THROW(receiver.receive(), DatagramLost);
+        }
+        EXPECT_EQ(receiver.counters().foreign_source, itself ? 0U : 1U);
+    }
+}
+
 // Each direction of a control channel is the same socket.
 TEST(UdpChannel, BothWays) {
     UdpChannel a(Endpoint{kHere, 0}, Endpoint{kHere, 0});

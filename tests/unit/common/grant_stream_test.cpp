@@ -26,7 +26,19 @@ namespace {
 
 using testing::HasSubstr;
 
-Endpoint free_port() { return {"127.0.0.1", static_cast<std::uint16_t>(20000 + getpid() % 10000)}; }
+// A TCP socket on a port of the kernel's choice, and where that is.
+Endpoint bind_somewhere(int socket) {
+    sockaddr_in address = UdpAddress::resolved("127.0.0.1", 0, "").generic();
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(socket, raw(address), size), 0);
+    EXPECT_EQ(getsockname(socket, static_cast<sockaddr*>(static_cast<void*>(&address)), &size), 0);
+    return {"127.0.0.1", ntohs(address.sin_port)};
+}
+
+Endpoint free_port() {
+    const FileDescriptor probe(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    return bind_somewhere(probe.get());
+}
 
 using Taken = std::unique_ptr<GrantStream>;
 
@@ -123,11 +135,9 @@ TEST_F(Grants, ConnectionsThatSayNothingKeepNoNodeOut) {
 }
 
 TEST_F(Grants, AMessageThatIsChangedOnItsWayIsRefused) {
-    const Endpoint beside{"127.0.0.1", static_cast<std::uint16_t>(here_.port + 1)};
-    const auto address = UdpAddress::resolved(beside.host, beside.port, "").generic();
     const auto way = UdpAddress::resolved(here_.host, here_.port, "").generic();
     const int listening = socket(AF_INET, SOCK_STREAM, 0), to_door = socket(AF_INET, SOCK_STREAM, 0);
-    ASSERT_EQ(bind(listening, raw(address), sizeof address), 0);
+    const Endpoint beside = bind_somewhere(listening);
     ASSERT_EQ(listen(listening, 1), 0);
     auto coming = node_with(door_.key(), beside);
     ASSERT_EQ(connect(to_door, raw(way), sizeof way), 0);

@@ -11,6 +11,7 @@
 
 #include "common/error.hpp"
 #include "tests/refusal.hpp"
+#include "tests/unit/common/packet.hpp"
 
 namespace thimble {
 namespace {
@@ -59,9 +60,10 @@ class Echo final : public Process {
 };
 
 NetworkSettings somewhere() {
+    static const GuardedPorts ports;
     NetworkSettings network;
     network.security.mode = SecurityMode::kNone;
-    network.base_port = static_cast<std::uint16_t>(20000 + getpid() % 200 * 50);
+    network.base_port = ports.base();
     return network;
 }
 

@@ -131,28 +131,33 @@ TEST_F(MovedView, IsNotWhoeverRepeatsItsWords) {
             << "an answer to a hello, and no word";
 }
 
-// Only the session's end towards a view hears other hosts.
+// Only the session's end towards a view and the stop buses hear other hosts.
 TEST(MovedViews, AreTheOnlyOnesThatAreHeardFromElsewhere) {
     const std::filesystem::path key = testing::TempDir() + "moved-view-" + std::to_string(getpid()) + ".key";
     create_lab_key(key, system_random_bytes());
+    const GuardedPorts ports;
     NetworkSettings settings;
     settings.security = {SecurityMode::kLabKey, false, key.string(), ""};
-    settings.base_port = 29'700;
+    settings.base_port = ports.base();
     Sockets sockets(settings);
     std::filesystem::remove(key);
     Channel* const view = sockets.between(Port::kSessionOrders, Port::kExperimenterMonitor);
     Channel* const node = sockets.between(Port::kSessionMaster, Port::kMasterControl);
+    Channel* const stops = sockets.inlet(Port::kSessionStop);
     UdpChannel to_view(Endpoint{kOtherHost, 0}, settings.at(Port::kSessionOrders)),
-        to_node(Endpoint{kOtherHost, 0}, settings.at(Port::kSessionMaster));
+        to_node(Endpoint{kOtherHost, 0}, settings.at(Port::kSessionMaster)),
+        to_stops(Endpoint{kOtherHost, 0}, settings.at(Port::kSessionStop));
     to_view.send(bytes_of("to the view's port"));
+    to_stops.send(bytes_of("to the port of stops"));
     to_node.send(bytes_of("to the node's port"));
     for (int i = 0; i < 2000 && sockets.counters().foreign_source == 0; ++i) {
         wall_sleep(milliseconds{1});
         received(*view);
+        received(*stops);
         received(*node);
     }
     EXPECT_EQ(sockets.counters().foreign_source, 1U);
-    EXPECT_EQ(sockets.security()->counters().unsealed, 1U);
+    EXPECT_EQ(sockets.security()->counters().unsealed, 2U);
 }
 
 }  // namespace

@@ -195,8 +195,10 @@ TEST(StopSeal, AStopFromOutsideIsAnsweredAtOnceAndOneOfAProgramIsNot) {
     for (const Role sender : {Role::kExperimenter, Role::kVisual}) {
         SealedProgram program(1);
         OutboundFlow flow(sender, 3, {&program.outlet});
-        StopInquiry inquiry(flow, {&program.outlet, &program.nobody, &program.nobody, &program.nobody,
-                                   &program.nobody, &program.nobody});
+        StopInquiry inquiry(flow,
+                            {&program.outlet, &program.nobody, &program.nobody, &program.nobody,
+                             &program.nobody, &program.nobody},
+                            6);
         flow.send(SessionTime{}, 0, StopOrder(6, StopKind::kStop, EndReason::kEmergencyStop, "smoke"));
         program.tick(1);
         inquiry.hear(SessionTime{});
