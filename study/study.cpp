@@ -11,6 +11,7 @@
 #include "analysis/report/report.hpp"
 #include "analysis/report/report_tables.hpp"
 #include "common/csv/csv_file.hpp"
+#include "common/error.hpp"
 #include "common/process/progress.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
@@ -95,6 +96,7 @@ class Study {
                    const std::string& name, std::vector<TrialRow>& rows, const TakeCurve& take_curve) {
         name_compensators(planned, settings);
         StudyTables tables(options_.out, name, options_.if_exists, planned, take_curve, options_.curves);
+        check_trajectories(tables.rows(), name);
         rows.insert(rows.end(), tables.rows().begin(), tables.rows().end());
         std::size_t done = tables.rows().size();
         result_.resumed += done;
@@ -126,17 +128,37 @@ class Study {
     }
 
     // The other tables have the same trials again, so the files of these have the table's name.
-    void save_trajectory(const TrialRecord& record, const std::string& table) const {
-        const TrialConditions& c = record.conditions;
-        const auto folder = options_.out / "trajectories";
-        make_folder(folder);
+    std::filesystem::path trajectory_file(const TrialConditions& c, const std::string& table) const {
         const bool own_trials = table == "trials" || table == "control";
+        return options_.out / "trajectories" /
+               fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{:g}ms{}.csv", c.experiment, c.subject,
+                           c.trial, to_string(c.modality), 1000 * c.delay_s, own_trials ? "" : "_" + table);
+    }
+
+    // A study that goes on keeps the trajectories of all its trials, or of none.
+    void check_trajectories(const std::vector<TrialRow>& done, const std::string& table) const {
+        if (done.empty()) return;
+        const auto missing = std::find_if(done.begin(), done.end(), [&](const TrialRow& row) {
+            std::error_code unknown;
+            return !std::filesystem::exists(trajectory_file(row.conditions, table), unknown);
+        });
+        if (missing == done.end() && !options_.trajectories)
+            throw Error(ExitCode::kUsage,
+                        "{}: this study keeps trajectories: add --trajectories to --resume, or start again "
+                        "with --overwrite",
+                        options_.out.string());
+        if (missing != done.end() && options_.trajectories)
+            throw Error(ExitCode::kUsage,
+                        "{}: is missing, though its trial is done: leave out --trajectories, or start again "
+                        "with --overwrite",
+                        trajectory_file(missing->conditions, table).string());
+    }
+
+    void save_trajectory(const TrialRecord& record, const std::string& table) const {
+        make_folder(options_.out / "trajectories");
         const bool again = options_.if_exists != IfExists::kRefuse;
-        TrajectoryWriter writer(
-            folder / fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{}{}.csv", c.experiment, c.subject,
-                                 c.trial, to_string(c.modality), delay_in_names(c.delay_s),
-                                 own_trials ? "" : "_" + table),
-            again ? IfExists::kReplace : IfExists::kRefuse);
+        TrajectoryWriter writer(trajectory_file(record.conditions, table),
+                                again ? IfExists::kReplace : IfExists::kRefuse);
         writer.append(record.samples);
         writer.end(record.reason, record.lost_peer);
     }

@@ -64,9 +64,11 @@ CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists, std::str
     int descriptor = open_to_write(path, open_flags(if_exists));
     if (descriptor < 0 && errno == EEXIST && !header.empty()) descriptor = open_unused(path, header);
     if (descriptor < 0 && errno == EEXIST) {
-        throw Error(ExitCode::kUsage,
-                    "{}: already exists and is not overwritten; name another folder, or add --overwrite",
-                    path.string());
+        throw Error(
+            ExitCode::kUsage,
+            "{}: already exists and is not overwritten; name another folder, or add --overwrite, where "
+            "the command has it",
+            path.string());
     }
     if (descriptor < 0) fail_to_create(path, errno);
     // Pipes, and some disks of other machines, have no locks.

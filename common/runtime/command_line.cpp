@@ -95,6 +95,11 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
     return lacks_command || has_extras ? explain_word(command, words) : "";
 }
 
+// CLI11 reads an empty number as 0, and each program an empty word as none.
+std::string judge_word(const std::string& typed) {
+    return typed.empty() ? "is empty: write a value, or leave the option out" : std::string();
+}
+
 // CLI11 reads counts by strtoull: -1 as 2^64 - 1, 010 as 8, and what is too large as 2^64 - 1.
 std::string judge_count(const std::string& typed) {
     if (parse_whole<std::uint64_t>(typed) && (typed == "0" || !typed.starts_with('0'))) return {};
@@ -144,6 +149,7 @@ void settle_options(CLI::App& app) {
         for (const char* whole : {"UINT", "INT", "PORT", "ID"})
             if (type.starts_with(whole)) option->check(judge_count);
         if (type.starts_with("FLOAT")) option->check(judge_number);
+        if (option->nonpositional() && option->get_items_expected_max() > 0) option->check(judge_word);
         if (holds_seconds(name)) {
             if (type.starts_with("FLOAT")) option->type_name("SECONDS|50ms");
             // In front of what the option itself checks.
@@ -189,8 +195,10 @@ void add_flag(CLI::App& command, const char* name, bool& value, const char* help
 }
 
 void add_word_option(CLI::App& command, const char* name, std::string& word,
-                     const std::vector<std::string>& allowed, const char* help) {
-    command.add_option(name, word, help)->check(CLI::IsMember(allowed))->default_val(word);
+                     const std::vector<std::string>& allowed, const char* help, const char* needs) {
+    CLI::Option* option =
+        command.add_option(name, word, help)->check(CLI::IsMember(allowed))->default_val(word);
+    if (needs != nullptr) option->needs(needs);
 }
 
 void add_file_option(CLI::App& command, const char* name, std::string& file, const char* help) {

@@ -15,15 +15,16 @@ class Option;
 namespace thimble {
 
 // Nothing if the program is to go on, else its exit code: what was asked for (--help, --version) or is wrong has
-// been said. Counts are digits alone, without a sign, and numbers finite, whatever else their options allow. Every program
-// also answers a shell that completes its words (answer_shell), and takes `help [COMMAND...]` and `version` as first words.
+// been said. Counts are digits alone, without a sign, numbers finite, values not empty, whatever else their options allow.
+// Every program also answers a shell that completes its words (answer_shell), and takes `help [COMMAND...]` and `version` as
+// first words.
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
 
 // Options for nodes. A source that includes CLI11 compiles all of it, which takes 10 of the 17 s of thimble-master.
-// The value of a word stands in the help as the default.
+// The value of a word stands in the help as the default. `needs`: an option that must be given, too; null: none.
 void add_flag(CLI::App& command, const char* name, bool& value, const char* help);
 void add_word_option(CLI::App& command, const char* name, std::string& word,
-                     const std::vector<std::string>& allowed, const char* help);
+                     const std::vector<std::string>& allowed, const char* help, const char* needs = nullptr);
 void add_file_option(CLI::App& command, const char* name, std::string& file, const char* help);
 
 // Options that mean the same in every command. `work` names what --resume goes on with: "study".

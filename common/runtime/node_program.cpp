@@ -314,6 +314,10 @@ int run(const NodeProgram& program, const Options& options) {
     if (options.launcher != 0) stop_with_parent(options.launcher);
     const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
     SharedSettings settings = read_config(program, file);
+    if (!options.report.empty()) {  // when the session is over, it would be too late
+        refuse_folder(options.report);
+        make_folder(std::filesystem::path(options.report).parent_path());
+    }
     auto& [network, runtime, logging] = settings;
     if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
     if (options.lock_step) return run_by_conductor(program, options, file, settings);

@@ -29,6 +29,9 @@ NetemCommand add_log(CLI::App& app);
 NetemCommand add_shell(CLI::App& app, const std::vector<std::string>& programs);
 NetemCommand add_pair(CLI::App& app, const std::vector<std::string>& programs);
 
+// Before a command writes. Throws Error (usage) if a file of `written` is one of `read`, or is named twice. Empty names are none.
+void refuse_same_file(const std::vector<std::string>& read, const std::vector<std::string>& written);
+
 // A node of a session, between master and slave_sim: a program of its own with its own command line.
 int run_node(int argc, char** argv);
 

@@ -50,6 +50,7 @@ std::string schema_line() {
 }
 
 int fit(const FitArguments& a) {
+    refuse_same_file({a.up, a.down}, {a.out, a.table});
     const MeasuredPath up = load(a.up);
     const PathFit up_fit = fit_and_say(up, a.up);
     LinkProfile profile;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -87,10 +89,35 @@ void import_captures(const std::string& text, const ImportArguments& a) {
     }
 }
 
+struct OptionOfFormat {
+    const char* option;
+    std::string_view format;
+};
+constexpr std::array<OptionOfFormat, 5> kOptionsOfFormats{{{"--direction", "irtt"},
+                                                           {"--interval-s", "ping"},
+                                                           {"--sent-port", "pcap"},
+                                                           {"--received-port", "pcap"},
+                                                           {"--least-delay-s", "pcap"}}};
+
+void refuse_options_of_others(const CLI::App& command, std::string_view format, const std::string& file) {
+    for (const auto& [option, own] : kOptionsOfFormats) {
+        if (own == format || command.get_option(option)->count() == 0) continue;
+        throw Error(ExitCode::kUsage, "import: {} is for {} only, but {} is read as {}: leave it out", option,
+                    own, file, format);
+    }
+}
+
+std::vector<std::string> outputs_of(const std::string& format, const ImportArguments& a) {
+    if (format != "irtt" || a.direction != "both") return {a.out};
+    return {with_direction(a.out, "up"), with_direction(a.out, "down")};
+}
+
 // Writes the trace, says on stdout what is in it.
-int import_files(const ImportArguments& arguments) {
+int import_files(const CLI::App& command, const ImportArguments& arguments) {
     const std::string text = read_whole_file(arguments.files.at(0));
     const std::string format = arguments.format == "auto" ? format_of(text) : arguments.format;
+    refuse_options_of_others(command, format, arguments.files[0]);
+    refuse_same_file(arguments.files, outputs_of(format, arguments));
     if (format == "pcap") {
         import_captures(text, arguments);
     } else if (arguments.files.size() > 1) {
@@ -104,7 +131,27 @@ int import_files(const ImportArguments& arguments) {
     return static_cast<int>(ExitCode::kOk);
 }
 
+// Of files that are not there yet the names tell.
+bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+    std::error_code unknown;
+    if (std::filesystem::exists(a, unknown)) return std::filesystem::equivalent(a, b, unknown);
+    return std::filesystem::absolute(a).lexically_normal() == std::filesystem::absolute(b).lexically_normal();
+}
+
 }  // namespace
+
+void refuse_same_file(const std::vector<std::string>& read, const std::vector<std::string>& written) {
+    std::vector<std::string> others = read;
+    for (const std::string& file : written) {
+        if (file.empty()) continue;
+        for (const std::string& other : others) {
+            if (!other.empty() && is_same_file(file, other))
+                throw Error(ExitCode::kUsage,
+                            "{} is named twice: name other files to write than those to read", file);
+        }
+        others.push_back(file);
+    }
+}
 
 NetemCommand add_import(CLI::App& app) {
     const auto arguments = std::make_shared<ImportArguments>();
@@ -138,7 +185,7 @@ NetemCommand add_import(CLI::App& app) {
     sub->footer(
         "Examples:\n  thimble-netem import irtt.json --out path.csv\n"
         "  thimble-netem import sent.pcap received.pcap --sent-port 9000 --out path.csv");
-    return {sub, [arguments] { return import_files(*arguments); }};
+    return {sub, [sub, arguments] { return import_files(*sub, *arguments); }};
 }
 
 }  // namespace thimble

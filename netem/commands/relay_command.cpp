@@ -164,8 +164,11 @@ void add_run_options(CLI::App& app, RelayOptions& o) {
                    "only print the same network as tc commands, for its device to the server and its device "
                    "to the clients")
         ->type_name("DEVICE[,DEVICE]");
-    app.add_flag("--selftest", o.selftest,
-                 "send test traffic and report whether this machine is accurate enough");
+    CLI::Option* tests_itself = app.add_flag(
+        "--selftest", o.selftest, "send test traffic and report whether this machine is accurate enough");
+    for (const char* of_traffic : {"--listen", "--to", "--max-flows", "--idle-s", "--strict-rt", "--log",
+                                   "--control", "--metrics", "--print-tc"})
+        tests_itself->excludes(of_traffic);
 }
 
 }  // namespace

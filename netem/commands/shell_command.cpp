@@ -92,10 +92,13 @@ NetemCommand add_shell(CLI::App& app, const std::vector<std::string>& programs) 
     CLI::App* command = app.add_subcommand(
         "shell", "run a program, or your shell, behind an emulated network: -- PROGRAM [ARGUMENT...]");
     const auto options = options_of(*command, "packets that the program sends", "packets that it receives");
-    command->add_flag("--selftest", options->selftest,
-                      "run no program: send test traffic and report whether this machine is accurate enough");
+    CLI::Option* tests_itself = command->add_flag(
+        "--selftest", options->selftest,
+        "run no program: send test traffic and report whether this machine is accurate enough");
+    tests_itself->excludes("--log")->excludes("--control");
     command->add_option("--seconds", options->seconds, "duration of --selftest, s (default 10)")
-        ->check(CLI::Range(0.1, 86400.0));
+        ->check(CLI::Range(0.1, 86400.0))
+        ->needs(tests_itself);
     return {command, [options, programs] {
                 auto commands = split_commands(programs);
                 if (options->selftest && !commands.empty())

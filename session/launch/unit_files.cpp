@@ -1,5 +1,6 @@
 #include "session/launch/unit_files.hpp"
 
+#include <algorithm>
 #include <arpa/inet.h>
 #include <set>
 
@@ -28,20 +29,12 @@ bool is_address(const std::string& host) {
     return inet_pton(AF_INET, host.c_str(), &address) == 1;
 }
 
-// The peers of a node as lines of a unit; none where a host is a name, because systemd does not resolve names.
-std::string address_rules(const NetworkSettings& network, Role role) {
-    std::set<std::string> peers;
-    for (const Port port : kEveryPort) {
-        const Flow& between = flow(port);
-        if (between.from_all) peers.insert(network.host(between.listens));  // a stop goes from each to each
-        if (between.listens != role && between.hears != role) continue;
-        peers.insert(network.host(between.listens));
-        peers.insert(network.host(between.hears));
-    }
-    for (const std::string& peer : peers) {
-        if (!is_address(peer)) return "";
-    }
-    return fmt::format("IPAddressDeny=any\nIPAddressAllow={}\n", fmt::join(peers, " "));
+// All hosts of the session, because a stop goes from each to each, and this machine, where a device's own service may be.
+// None where a host is a name, because systemd does not resolve names.
+std::string address_rules(const NetworkSettings& network) {
+    const std::set<std::string> peers(network.hosts.begin(), network.hosts.end());
+    if (!std::all_of(peers.begin(), peers.end(), is_address)) return "";
+    return fmt::format("IPAddressDeny=any\nIPAddressAllow=localhost {}\n", fmt::join(peers, " "));
 }
 
 constexpr const char* kUnit = R"({comment}
@@ -89,7 +82,7 @@ MemoryDenyWriteExecute=yes
 RemoveIPC=yes
 RestrictNamespaces=yes
 RestrictSUIDSGID=yes
-RestrictAddressFamilies=AF_INET AF_UNIX
+RestrictAddressFamilies=AF_INET AF_UNIX AF_CAN
 SystemCallArchitectures=native
 SystemCallFilter=@system-service
 SystemCallErrorNumber=EPERM
@@ -125,7 +118,7 @@ UnitFile unit(const UnitPlan& plan, const NodeKind& node) {
                                         plan.network.base_port)),
         fmt::arg("protect_home",
                  folder.rfind("/home/", 0) == 0 || folder.rfind("/root/", 0) == 0 ? "read-only" : "yes"),
-        fmt::arg("addresses", credential(plan.network.security) + address_rules(plan.network, node.role)));
+        fmt::arg("addresses", credential(plan.network.security) + address_rules(plan.network)));
     return file;
 }
 

@@ -169,6 +169,15 @@ std::string device_topics() {
     return text;
 }
 
+// Parts of letters, digits and _ behind one / each. None begins with a digit.
+bool is_topic_prefix(const std::string& text) {
+    const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
+    bool good = text.starts_with('/') && text.find_first_not_of(letters + "0123456789/") == std::string::npos;
+    for (std::size_t at = text.find('/'); at != std::string::npos; at = text.find('/', at + 1))
+        good = good && text.find_first_of(letters, at) == at + 1;
+    return good;
+}
+
 void add_ros2_options(CLI::App& app, Ros2Options& o) {
     o.session.add_options(app);
     app.add_option("--domain", o.domain, "DDS domain; default: ROS_DOMAIN_ID, or 0")
@@ -180,11 +189,7 @@ void add_ros2_options(CLI::App& app, Ros2Options& o) {
     app.add_option("--prefix", o.prefix,
                    "first part of the topic names; two sessions at once also need two domains")
         ->check([](const std::string& text) {
-            const bool good =
-                text.size() > 1 && text.front() == '/' && std::isalpha(text[1]) != 0 &&
-                text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/") ==
-                    std::string::npos;
-            return good ? std::string() : "write a ROS 2 name, such as /lab/thimble";
+            return is_topic_prefix(text) ? std::string() : "write a ROS 2 name, such as /lab/thimble";
         })
         ->default_val(o.prefix);
     app.add_flag("--no-clock", o.no_clock, "do not publish /clock");

@@ -151,14 +151,16 @@ void SessionProcess::take(SessionTime now, NodePeer& peer, const Message& messag
     }
 }
 
-// `trial`: the newest that the subject's window has seen. A late request is not for the next page. None: it holds.
+// `trial`: the newest that the subject's window has seen; 0: none since its program started. A late request is not for the next
+// page. None: it holds.
 std::optional<Refusal> SessionProcess::judge_request(const NodePeer& peer, std::uint32_t trial,
                                                      const Order& order) const {
     const bool goes_on = order.kind == OrderKind::kResume && settings_.subject_goes_on && page_.waits();
     const bool answers = order.kind == OrderKind::kAnswer && page_.asks(order.trial);
     if (peer.role() != Role::kVisual || under_way() || (!goes_on && !answers))
         return Refusal::kUnexpectedKind;
-    return trial == std::max(trial_, last_number()) ? std::nullopt : std::optional{Refusal::kWrongTrial};
+    const bool newest = trial == 0 || trial == std::max(trial_, last_number());
+    return newest ? std::nullopt : std::optional{Refusal::kWrongTrial};
 }
 
 inline void SessionProcess::take_records(SessionTime now) {

@@ -45,7 +45,7 @@ ProtocolSettings read_protocol_settings(const ConfigTable& table) {
                "Practice trials before all others, each modality in turn; never analysed.");
     table.read("break_every", p.break_every, 0, 1000,
                "Trials between two breaks (a block); there is a break after practice as well; 0: no breaks.");
-    table.read("break_text", p.break_text, "Text on the screen during a break.");
+    p.break_text = read_break_text(table);
     table.read("break_minimum_s", p.break_minimum, 0, 3600,
                "Shortest break; Enter ends it after that. A virtual subject does not rest.");
     table.read("repeat", p.repeat, {"end_of_block", "at_once"},

@@ -22,7 +22,7 @@ struct ProtocolSettings {
     std::uint32_t removals = 2;  // of the fixture, per participant; experiment 2
     std::uint32_t practice_trials = 4;
     std::uint32_t break_every = 12;
-    std::string break_text = "Please take your hand off the handle and rest.";
+    std::string break_text;
     Duration break_minimum = std::chrono::seconds{30};
     RepeatWhen repeat = RepeatWhen::kEndOfBlock;
     std::uint32_t repeats_limit = 2;

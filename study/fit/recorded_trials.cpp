@@ -28,12 +28,22 @@ void require_one_person(const std::filesystem::path& table, const std::vector<Tr
                 fmt::join(experiments, " or "));
 }
 
+void require_table(const std::filesystem::path& table) {
+    if (std::filesystem::exists(table)) return;
+    const auto folder = table.parent_path();
+    if (std::filesystem::exists(folder / "participants.tsv"))
+        throw Error(ExitCode::kData,
+                    "{}: is a dataset of participants, which thimble fit cannot read: name a folder of "
+                    "thimble study, or of thimble run without [protocol]",
+                    folder.string());
+    throw Error(ExitCode::kData,
+                "{}: does not exist: name a folder that thimble study or thimble run has written",
+                table.string());
+}
+
 std::vector<TrialRow> rows_of_subject(const std::filesystem::path& table, std::uint32_t subject,
                                       std::optional<std::uint32_t> experiment) {
-    if (!std::filesystem::exists(table))
-        throw Error(ExitCode::kData,
-                    "{}: does not exist: name a folder that thimble study or thimble run has written",
-                    table.string());
+    require_table(table);
     std::vector<TrialRow> own;
     std::set<std::uint32_t> subjects;
     for (const TrialRow& row : without_removals(read_trial_table(table))) {

@@ -82,12 +82,15 @@ void Watch::handle_commanded(SessionTime now, double force_N) {
     const GuardSettings& guard = settings_.master.guard;
     if (!std::isfinite(force_N) || std::abs(force_N) > guard.force_limit_N)
         fail(Rule::kForceLimit, fmt::format("{} N", force_N));
-    const double before_N = handle_N_ * force_N > 0 ? std::abs(handle_N_) : 0;
-    const double grown_s =
-        to_seconds(std::min<Duration>(now - commanded_at_, settings_.master.sample_period));
-    const double most_N = before_N + guard.force_rate_limit_N_per_s * grown_s;
+    // All forces of one instant grow from the force before it.
+    if (now != commanded_at_) {
+        before_N_ = handle_N_;
+        grown_ = std::min<Duration>(now - commanded_at_, settings_.master.sample_period);
+    }
+    const double before_N = before_N_ * force_N > 0 ? std::abs(before_N_) : 0;
+    const double most_N = before_N + guard.force_rate_limit_N_per_s * to_seconds(grown_);
     if (guard.force_rate_limit_N_per_s > 0 && std::abs(force_N) > most_N * (1 + kRounding) + kRounding)
-        fail(Rule::kForceRate, fmt::format("{} N after {} N", force_N, handle_N_));
+        fail(Rule::kForceRate, fmt::format("{} N after {} N", force_N, before_N_));
     if (force_N != 0 && modality_ != Modality::kHF)
         fail(Rule::kForceModality, fmt::format("{} N in {}", force_N, to_string(modality_)));
     if (force_N != 0 && gave_too_much_) fail(Rule::kGuardEnergy, fmt::format("{} N", force_N));

@@ -110,6 +110,8 @@ class Watch {
     std::array<bool, kRoleCount> runs_{};
     double handle_N_ = 0, finger_N_ = 0, bar_N_ = 0;
     SessionTime commanded_at_{};
+    double before_N_ = 0;  // at the handle before that instant
+    Duration grown_{};     // the time in which its force may have grown
     std::uint64_t digest_ = 0xcbf29ce484222325U;
 
     PortObserver energy_;

@@ -74,6 +74,14 @@ TEST(DoctorProgram, AsksForThePortsOfTheConditionsThatRunTogether) {
     expect_blocks(1, "[handle]\ndevice = 'pointer'\n");
 }
 
+TEST(SwarmProgram, DrawnSessionsKeepTheSafetyRules) {
+    const Folder folder;
+    const Outcome swarm =
+        run_thimble(words_in("swarm --seed 1 --cases 2 --out " + (folder / "swarm").string()));
+    EXPECT_EQ(swarm.code, 0) << swarm.words;
+    EXPECT_THAT(swarm.words, HasSubstr("2 cases from seed 1 on"));
+}
+
 // `thimble replay` as users start it: files in, files out, exit codes.
 Outcome replay(const std::vector<std::string>& arguments) {
     return run_thimble(words_in("replay", arguments));
@@ -146,6 +154,7 @@ TEST(StabilityProgram, RefusesWhatMeansNothing) {
     const Outcome step = theory_at({"--delay-s", "0.05", "--step-s", "0"});
     EXPECT_EQ(step.code, 2);
     EXPECT_THAT(step.words, HasSubstr("a step must be 1e-9 to 1e3 s"));
+    EXPECT_EQ(theory_at({"--press-N=-5"}).code, 2);
     EXPECT_EQ(of_hand("stability", {"--contact-stiffness-N-per-m", "0"}).code, 2);
     EXPECT_EQ(of_hand("stability", {}).code, 2);
 }

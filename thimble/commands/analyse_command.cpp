@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +13,7 @@
 #include "analysis/findings.hpp"
 #include "analysis/report/report.hpp"
 #include "analysis/report/report_tables.hpp"
+#include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "session/participant/counted_trials.hpp"
 #include "session/records/trial_table.hpp"
@@ -77,8 +79,21 @@ Analysis analyse(const std::filesystem::path& given) {
     return analysis;
 }
 
-void write_to(const std::filesystem::path& out, const Analysis& analysis) {
+// Other results of the run or the study that end in .json, too.
+void refuse_results(const std::filesystem::path& given, const std::filesystem::path& file) {
+    std::error_code unknown;
+    for (const auto& result : {given, folder_of(given) / "summary.json", folder_of(given) / "claims.json",
+                               folder_of(given) / "compensators.json"}) {
+        if (std::filesystem::equivalent(result, file, unknown))
+            throw Error(ExitCode::kUsage, "--out {}: is a result already: name another file, or a folder",
+                        file.string());
+    }
+}
+
+void write_to(const std::filesystem::path& out, const std::filesystem::path& given,
+              const Analysis& analysis) {
     const std::filesystem::path file = output_file(out, "findings.json");
+    refuse_results(given, file);
     write_findings(analysis.findings, file);
     if (file != out && !analysis.claims.empty()) write_claims(analysis.claims, out / "claims.json");
 }
@@ -105,7 +120,7 @@ void say_json(const Analysis& analysis) {
 
 int analyse_table(const AnalyseArguments& arguments) {
     const Analysis analysis = analyse(arguments.table);
-    if (!arguments.out.empty()) write_to(arguments.out, analysis);
+    if (!arguments.out.empty()) write_to(arguments.out, arguments.table, analysis);
     arguments.json ? say_json(analysis) : say(analysis);
     return 0;
 }

@@ -212,6 +212,9 @@ Subcommand add_play(CLI::App& app) {
     sub->add_option("--seconds", arguments->seconds,
                     "end after this time, s; default: run until the window is closed")
         ->check(CLI::Range(0.001, 1e6));
+    for (const char* pictures : {"--frames", "--video"})
+        sub->get_option(pictures)->excludes("--speed", "--seconds");
+    replay->excludes("--modality", "--delay-s");
     sub->add_option("--visual-command", arguments->visual_command,
                     "program that draws the window; default: thimble-visual")
         ->type_name("COMMAND");

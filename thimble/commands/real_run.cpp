@@ -81,7 +81,7 @@ void say_participant(const ParticipantSessionResult& result, const std::filesyst
         return;
     }
     if (!json) {
-        fmt::print("{}: {} of {} trials are complete, {} records of which {} are repeats: {}\n", id,
+        fmt::print("{}: {} of {} trials begun, {} records of which {} are repeats: {}\n", id,
                    result.trials_begun, result.trials_planned, result.records, result.repeats, out.string());
         return;
     }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/findings.hpp"
+#include "common/error.hpp"
 #include "common/text_file.hpp"
 
 namespace thimble {
@@ -26,14 +27,16 @@ NetworkSettings network_of(const std::string& session_file, int base_port) {
 }
 
 std::filesystem::path output_file(const std::filesystem::path& out, const char* name) {
-    const std::string end = out.extension().string();
+    const auto end = out.extension(), wanted = std::filesystem::path(name).extension();
     std::error_code unknown;
     const auto there = std::filesystem::status(out, unknown);
     // /dev/stdout may be a file, /dev/shm holds folders.
     const bool stream = std::filesystem::is_other(there) || std::filesystem::is_character_file(there) ||
                         std::filesystem::is_fifo(there) || out.parent_path() == "/dev";
-    const bool file = (stream && !std::filesystem::is_directory(there)) || end == ".csv" || end == ".json" ||
-                      end == ".html";
+    if (!stream && end != wanted && (end == ".csv" || end == ".json" || end == ".html"))
+        throw Error(ExitCode::kUsage, "--out {}: name a folder, or a file that ends in {}", out.string(),
+                    wanted.string());
+    const bool file = (stream && !std::filesystem::is_directory(there)) || end == wanted;
     make_folder(file ? out.parent_path() : out);
     return file ? out : out / name;
 }

@@ -36,8 +36,8 @@ void add_base_port_option(CLI::App& command, int& base_port);
 // [network] and [security] of a session file, or of none where it is empty, at `base_port` unless that is 0.
 NetworkSettings network_of(const std::string& session_file, int base_port);
 
-// --out of a command that writes one file: that file where it ends in .csv, .json or .html, else `name` in that folder, which is
-// made.
+// --out of a command that writes one file: that file where it ends as `name` does, else `name` in that folder, which is made.
+// Throws Error (usage) where it ends as another kind of result.
 std::filesystem::path output_file(const std::filesystem::path& out, const char* name);
 
 // The argument for a session file. After parsing, `file` has the path of a session that was named.

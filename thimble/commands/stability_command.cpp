@@ -222,9 +222,10 @@ void add_loop_options(CLI::App& command, StabilityArguments& a) {
 
 void add_press_options(CLI::App& command, StabilityArguments& a) {
     const auto not_negative = CLI::NonNegativeNumber;
-    command.add_option(
-        "--press-N", a.press_N,
-        "force with which the hand presses on the fixture, N (default: half of --force-limit-N)");
+    command
+        .add_option("--press-N", a.press_N,
+                    "force with which the hand presses on the fixture, N (default: half of --force-limit-N)")
+        ->check(not_negative);
     command.add_option("--force-limit-N", a.force_limit_N, "force limit of the handle, N")
         ->default_val(12)
         ->check(CLI::PositiveNumber);

@@ -1,6 +1,7 @@
 // thimble stop: an emergency stop from any terminal, and its release.
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,6 +46,13 @@ int condition_count(const StopArguments& a) {
     return std::clamp(a.conditions == 0 ? 8 : a.conditions, 1, possible);
 }
 
+template <class Talk>
+struct OpenBus {
+    int base_port = 0;
+    bool without_key = false;  // beside the one under the user key
+    std::unique_ptr<Talk> talk;
+};
+
 // Opens the stop buses of all conditions.
 template <class Talk>
 class Conditions {
@@ -52,47 +60,66 @@ class Conditions {
     explicit Conditions(const StopArguments& a) {
         const auto count = static_cast<std::size_t>(condition_count(a));
         sockets_.reserve(2 * count);
-        talks_.reserve(2 * count);
+        buses_.reserve(2 * count);
         const std::uint64_t instance = system_entropy();
         for (std::size_t i = 0; i < count; ++i) {
             const NetworkSettings network = condition_network(a, static_cast<int>(i));
-            add(network, instance);
+            add(network, instance, false);
             // A run in lock-step has no user key. A program with one refuses a stop without a seal.
-            if (network.security.mode == SecurityMode::kUserKey) add(without_user_key(network), instance);
+            if (network.security.mode == SecurityMode::kUserKey)
+                add(without_user_key(network), instance, true);
         }
     }
     void rounds(int count) {
         for (int i = 0; i < count; ++i) {
             if (i > 0) wall_sleep(kStopRepeat);
-            for (const auto& talk : talks_) talk->round(wall_now());
+            for (const OpenBus<Talk>& bus : buses_) bus.talk->round(wall_now());
         }
     }
-    const std::vector<std::unique_ptr<Talk>>& talks() const { return talks_; }
+    const std::vector<OpenBus<Talk>>& buses() const { return buses_; }
 
   private:
-    void add(const NetworkSettings& network, std::uint64_t instance) {
+    void add(const NetworkSettings& network, std::uint64_t instance, bool without_key) {
         sockets_.push_back(std::make_unique<Sockets>(network));
-        talks_.push_back(std::make_unique<Talk>(instance, stop_outlets(*sockets_.back())));
+        buses_.push_back({network.base_port, without_key,
+                          std::make_unique<Talk>(instance, stop_outlets(*sockets_.back()))});
     }
     std::vector<std::unique_ptr<Sockets>> sockets_;
-    std::vector<std::unique_ptr<Talk>> talks_;
+    std::vector<OpenBus<Talk>> buses_;
 };
 
 // Sends the stop ten times (it acts once), then asks which programs hold it.
 class StopCall {
   public:
+    // `instance`, random per start, is also the stop's number.
     StopCall(std::uint64_t instance, const StopOutlets& at)
-        : out_(Role::kExperimenter, instance, {at[0], at[1], at[2], at[3], at[4], at[5]}),
-          inquiry_(out_, at) {}
-    void stop(const StopOrder& order) { order_ = order; }
+        : id_(instance),
+          out_(Role::kExperimenter, instance, {at[0], at[1], at[2], at[3], at[4], at[5]}),
+          inquiry_(out_, at, instance) {}
+    void stop(const std::string& reason) {
+        order_ = StopOrder(id_, StopKind::kStop, EndReason::kEmergencyStop, reason);
+    }
     void round(SessionTime now) {
         inquiry_.hear(now);
         if (said_++ < kReleaseTimes) out_.send(now, 0, order_);
         inquiry_.ask(now);
     }
-    const std::vector<LatchedStop>& held() const { return inquiry_.held(); }
+    // The programs that hold this stop, "session, master". Another stop says nothing about this one.
+    std::string holders() const {
+        std::array<bool, kRoleCount> holds{};
+        for (const LatchedStop& held : inquiry_.held()) {
+            if (held.stop.id == id_) holds.at(static_cast<std::size_t>(held.by)) = true;
+        }
+        std::string names;
+        for (std::size_t role = 0; role < holds.size(); ++role) {
+            if (holds.at(role))
+                names += (names.empty() ? "" : ", ") + std::string(to_string(static_cast<Role>(role)));
+        }
+        return names;
+    }
 
   private:
+    std::uint64_t id_;
     OutboundFlow out_;
     StopInquiry inquiry_;
     StopOrder order_;
@@ -113,41 +140,44 @@ std::string same_arguments(const StopArguments& a) {
     return text;
 }
 
-std::string holders(const Conditions<StopCall>& conditions) {
-    std::array<bool, kRoleCount> holds{};
-    for (const auto& condition : conditions.talks()) {
-        for (const LatchedStop& held : condition->held()) holds.at(static_cast<std::size_t>(held.by)) = true;
+// "session, master (ports from 27000); session (ports from 27033)"
+std::string holders(const Conditions<StopCall>& conditions, bool without_key) {
+    std::string text;
+    for (const OpenBus<StopCall>& bus : conditions.buses()) {
+        const std::string names = bus.without_key == without_key ? bus.talk->holders() : std::string();
+        if (names.empty()) continue;
+        text += fmt::format("{}{} (ports from {})", text.empty() ? "" : "; ", names, bus.base_port);
     }
-    std::string names;
-    for (std::size_t role = 0; role < holds.size(); ++role) {
-        if (holds.at(role))
-            names += (names.empty() ? "" : ", ") + std::string(to_string(static_cast<Role>(role)));
-    }
-    return names;
+    return text;
+}
+
+// `open`: who has confirmed it without a key, as any user of the machine can.
+std::string not_confirmed(const StopArguments& a, const std::string& open) {
+    const std::string so_far =
+        open.empty()
+            ? fmt::format("no program confirmed the stop ({})", where(a))
+            : fmt::format("the stop was confirmed only without a key (a lock-step run?), by {}", open);
+    return fmt::format(
+        "{}. A session {}that runs there has NOT been stopped, or cannot answer. As the user who runs it, "
+        "name its session file: thimble stop SESSION.toml. Or press Backspace in a window, or switch the "
+        "device off",
+        so_far, open.empty() ? "" : "with a key ");
 }
 
 // The user must know whether the stop was heard.
 int stop(const StopArguments& a) {
-    const std::uint64_t id = std::max<std::uint64_t>(1, system_entropy());
     Conditions<StopCall> conditions(a);
-    for (const auto& condition : conditions.talks())
-        condition->stop({id, StopKind::kStop, EndReason::kEmergencyStop, a.reason});
+    for (const OpenBus<StopCall>& bus : conditions.buses()) bus.talk->stop(a.reason);
     conditions.rounds(kReleaseTimes + 1);
-    for (int more = 0; holders(conditions).empty() && more < kMoreRounds; ++more) {
+    for (int more = 0; holders(conditions, false).empty() && more < kMoreRounds; ++more) {
         wall_sleep(kStopRepeat);
         conditions.rounds(1);
     }
-    const std::string by = holders(conditions);
-    if (by.empty()) {
-        throw Error(
-            ExitCode::kNetwork,
-            fmt::format("no program confirmed the stop ({}). A session that runs there has NOT been stopped, "
-                        "or cannot answer. As the user who runs it, name its session file: thimble stop "
-                        "SESSION.toml. Or press Backspace in a window, or switch the device off",
-                        where(a)));
-    }
-    fmt::print("emergency stop ({}): forces are off and no trial can begin; confirmed by {}; {}{}\n",
-               where(a), by, kHowToRelease, same_arguments(a));
+    const std::string by = holders(conditions, false), open = holders(conditions, true);
+    if (by.empty()) throw Error(ExitCode::kNetwork, not_confirmed(a, open));
+    fmt::print("emergency stop ({}): forces are off and no trial can begin; confirmed by {}{}{}; {}{}\n",
+               where(a), by, open.empty() ? "" : "; without a key (a lock-step run?) by ", open,
+               kHowToRelease, same_arguments(a));
     return 0;
 }
 
@@ -161,13 +191,14 @@ int release(const StopArguments& a) {
     Conditions<StopRelease> conditions(a);
     conditions.rounds(StopRelease::kRounds);
     bool answered = false, removed = false;
-    for (const auto& condition : conditions.talks()) {
-        for (const StopOrder& stop : condition->stops()) fmt::print("released: {}\n", stop.words());
-        answered = answered || !condition->stops().empty();
+    for (const OpenBus<StopRelease>& bus : conditions.buses()) {
+        for (const StopOrder& stop : bus.talk->stops())
+            fmt::print("released: {}\n", printable(std::string(stop.words())));
+        answered = answered || !bus.talk->stops().empty();
     }
     for (std::size_t condition = 0; condition < files.size(); ++condition) {
         if (!files[condition].release(kept[condition])) continue;
-        fmt::print("released, although its session has ended: {}\n", kept[condition]->words);
+        fmt::print("released, although its session has ended: {}\n", printable(kept[condition]->words));
         removed = true;
     }
     fmt::print("{} ({})\n",
@@ -195,7 +226,8 @@ Subcommand add_stop(CLI::App& app) {
                     "how many parallel conditions the run has (default 8)")
         ->check(CLI::Range(1, kMostConditions));
     sub->footer(
-        "The command lists the programs that confirm the stop. It exits with 3 if none does.\n"
+        "The command lists the programs that confirm the stop. It exits with 3 if none does, or only a "
+        "lock-step run without a key.\n"
         "In the terminal of a running thimble, Ctrl-\\ does the same.\n"
         "The stop stays until you release it: no session can start on these ports before that. Release it on "
         "the machine that runs the session.\n"

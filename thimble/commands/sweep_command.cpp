@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/error.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "study/maps/map_options.hpp"
@@ -24,9 +25,8 @@ void add_loop_options(CLI::App& command, SweepArguments& a) {
         "models of hand and handle, separated by commas: A light pinch, B pinch, C arm, D firm grip, E power "
         "grip")
         .delimiter(',');
-    CLI::Option* mass =
-        command.add_option("--mass-kg", a.own_hand.mass_kg,
-                           "your own hand instead of --hand: mass of hand and handle together, kg");
+    CLI::Option* mass = command.add_option(
+        "--mass-kg", a.own_mass_kg, "your own hand instead of --hand: mass of hand and handle together, kg");
     CLI::Option* damping =
         command
             .add_option("--damping-Ns-per-m", a.own_hand.damping_Ns_per_m, "damping of hand and handle, Ns/m")
@@ -80,7 +80,8 @@ void add_network_options(CLI::App& command, SweepArguments& a) {
 
 void add_hold_options(CLI::App& command, SweepArguments& a) {
     add(command, "--step-s", a.rest.step_s, "sampling period, s").check(CLI::Range(1e-5, 0.1));
-    add(command, "--press-N", a.rest.press_N, "force with which the hand presses on the fixture, N");
+    add(command, "--press-N", a.rest.press_N, "force with which the hand presses on the fixture, N")
+        .check(CLI::NonNegativeNumber);
     add(command, "--force-limit-N", a.rest.force_limit_N, "force limit of the handle, N")
         .check(CLI::PositiveNumber);
     add(command, "--encoder-m", a.rest.encoder_step_m, "resolution of the handle's encoder, m")
@@ -127,7 +128,19 @@ void add_sweep_options(CLI::App& command, SweepArguments& a) {
         "Manual, with the classes of the map: docs/stability.md");
 }
 
-int run_sweep(SweepArguments arguments) {
+// The virtual operator's session says how it holds which handle.
+void refuse_unused(const CLI::App& command, const std::string& who) {
+    const auto refuse = [&](const char* option) {
+        if (command.get_option(option)->count() > 0)
+            throw Error(ExitCode::kUsage, "{} is not used by --operator {}: leave it out", option, who);
+    };
+    if (who == "passive") return refuse("--trials");
+    for (const char* option : {"--step-s", "--press-N", "--force-limit-N", "--encoder-m", "--friction-N"})
+        refuse(option);
+}
+
+int run_sweep(const CLI::App& command, SweepArguments arguments) {
+    refuse_unused(command, arguments.who);
     const MapGrid grid = grid_of(arguments);
     install_stop_signals();
     arguments.out = join_ranks(arguments.out).string();
@@ -141,7 +154,7 @@ Subcommand add_sweep(CLI::App& app) {
     CLI::App* command =
         app.add_subcommand("sweep", "map stability over delay and stiffness, measured and by theory");
     add_sweep_options(*command, *arguments);
-    return {command, [arguments] { return run_sweep(*arguments); }, true};
+    return {command, [command, arguments] { return run_sweep(*command, *arguments); }, true};
 }
 
 }  // namespace thimble

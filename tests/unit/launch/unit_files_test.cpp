@@ -23,6 +23,7 @@ UnitPlan plan() {
     plan.runtime.priority = 71;
     plan.launch.machines[static_cast<std::size_t>(Role::kSlaveSim)] = "robot";
     plan.network.hosts[static_cast<std::size_t>(Role::kSlaveSim)] = "10.77.0.3";
+    plan.network.hosts[static_cast<std::size_t>(Role::kExperimenter)] = "10.77.0.9";  // which may stop
     return plan;
 }
 
@@ -42,7 +43,7 @@ TEST(UnitFiles, SayWhatANodeNeedsAndNoMore) {
          {"Type=notify\n", "LimitRTPRIO=71\n", "ProtectSystem=strict\n", "WatchdogSec=2\n",
           "TimeoutStartSec=infinity\n", "NoNewPrivileges=yes\n",
           "ExecStart=\"/usr/bin/thimble-slave-sim\" \"/etc/thimble/lab.toml\" --base-port 27000\n",
-          "IPAddressAllow=10.77.0.3 127.0.0.1\n"}) {
+          "IPAddressAllow=localhost 10.77.0.3 10.77.0.9 127.0.0.1\n", " AF_CAN\n"}) {
         EXPECT_THAT(slave.text, HasSubstr(line));
     }
 }
@@ -118,6 +119,18 @@ TEST(PortTable, AFirewallHearsOfWhatCrossesOnly) {
     EXPECT_THAT(table, HasSubstr("| 27005 | session | slave_sim | record |"));
     EXPECT_THAT(table, Not(HasSubstr("| 27011 |")));  // netem to master, both here
     EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 2 + 8 + 6);
+}
+
+TEST(PortTable, AFirewallHearsOfAViewElsewhere) {
+    NetworkSettings network;
+    EXPECT_THAT(firewall_table(network, {}), Not(HasSubstr("| 27")));
+    network.hosts[static_cast<std::size_t>(Role::kExperimenter)] = "192.0.2.9";
+    const std::string table = firewall_table(network, {});
+    EXPECT_THAT(table,
+                HasSubstr("| 27024 | experimenter | session | monitor | 192.0.2.9 (the view's machine) | "
+                          "127.0.0.1 (this machine) |"));
+    EXPECT_THAT(table, HasSubstr("| 27023 | session | experimenter |"));
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 2 + 2 + 6);
 }
 
 }  // namespace

@@ -288,6 +288,10 @@ TEST_F(PersonsSession, AWishIsForThePageOfTheHighestNumberSeen) {
     visual_.say(now_, request);
     session_.tick(now_);
     EXPECT_TRUE(session_.take_go_on());
+    visual_.trial = 0;  // of a program that was started again
+    visual_.say(now_, request);
+    session_.tick(now_);
+    EXPECT_TRUE(session_.take_go_on());
     visual_.say(now_, request);
     session_.tick(now_);
     page.trial = 4;

@@ -47,6 +47,13 @@ TEST(RecordedTrials, AnExperimentCanBeChosen) {
     EXPECT_THAT(refusal([&] { recorded_trials(folder.path(), 4, 3); }), HasSubstr("trials of no subject"));
 }
 
+TEST(RecordedTrials, ADatasetOfParticipantsIsNamed) {
+    const TemporaryDirectory folder;
+    write_text(folder / "participants.tsv", "participant_id\n");
+    EXPECT_THAT(refusal([&] { recorded_trials(folder.path(), 4); }),
+                HasSubstr("is a dataset of participants, which thimble fit cannot read"));
+}
+
 TEST(Fit, RefusesKeysThatNoTraitStandsFor) {
     const TemporaryDirectory folder;
     const auto words = [&](const char* key) {

@@ -1,6 +1,7 @@
 // import and fit from file to file, as the command line calls them.
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
@@ -30,6 +31,10 @@ class ImportCommands : public testing::Test {
         std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
         app.parse(std::move(arguments));
         return (import.subcommand->parsed() ? import : fit).run();
+    }
+
+    static std::string refused(const std::string& command, const std::vector<std::string>& arguments) {
+        return refusal([&] { run(command, arguments); }, ExitCode::kUsage);
     }
 
     TemporaryDirectory folder_;
@@ -74,6 +79,32 @@ TEST_F(ImportCommands, TwoCaptures) {
     EXPECT_THAT(read_whole_file(path("trace.csv")), HasSubstr("\n0,0.002,0\n"));
     for (const char* file : {"a.pcap", "none"})
         EXPECT_THROW(run("import", {path(file), "--out", path("trace.csv")}), Error);
+    for (const char* option : {"--direction=up", "--interval-s=2"})
+        EXPECT_THAT(refused("import", {path("a.pcap"), path("b.pcap"), option, "--out", path("trace.csv")}),
+                    HasSubstr("is read as pcap: leave it out"));
+}
+
+// Nothing is written then.
+TEST_F(ImportCommands, NoFileThatIsReadIsReplaced) {
+    const std::string ping = "64 bytes from a: icmp_seq=1 ttl=64 time=20 ms\n",
+                      irtt = R"({"round_trips": []})";
+    write_text_file(path("ping.txt"), ping);
+    write_text_file(path("trace.up.csv"), irtt);
+    write_text_file(path("down.csv"), "time_s,delay_s,loss\n0,0.01,0\n");
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"ping.txt", "ping.txt"}, {"trace.up.csv", "trace.csv"}})
+        EXPECT_THAT(refused("import", {path(words[0]), "--out", (folder_ / "." / words[1]).string()}),
+                    HasSubstr("is named twice"));
+    EXPECT_EQ(read_whole_file(path("ping.txt")) + read_whole_file(path("trace.up.csv")), ping + irtt);
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"--out", path("down.csv")},
+                                                  {"--table", path("down.csv")},
+                                                  {"--out", path("new"), "--table", path("./new")}}) {
+        std::vector<std::string> fit{path("trace.up.csv"), "--down", path("down.csv")};
+        fit.insert(fit.end(), words.begin(), words.end());
+        EXPECT_THAT(refused("fit", fit), HasSubstr("is named twice"));
+    }
+    EXPECT_THAT(refused("import", {path("ping.txt"), "--least-delay-s", "0", "--out", path("trace.csv")}),
+                HasSubstr("--least-delay-s is for pcap only"));
 }
 
 }  // namespace
