@@ -19,6 +19,9 @@ class NotifySocket {
         : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
         sockaddr_un address{};
         address.sun_family = AF_UNIX;
+        if (name.size() >= sizeof address.sun_path)
+            throw std::runtime_error("cannot bind " + name +
+                                     ": the path is too long: set TMPDIR to a shorter one");
         std::memcpy(address.sun_path, name.data(), name.size());
         if (name.front() == '@') address.sun_path[0] = '\0';
         const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + name.size());

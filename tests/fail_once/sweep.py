@@ -8,8 +8,10 @@ in which nothing fails, or what it prints. Otherwise it says why on stderr, and 
 """
 
 import concurrent.futures
+import contextlib
 import os
 import pathlib
+import socket
 import subprocess
 import sys
 import tempfile
@@ -36,6 +38,20 @@ SCENARIOS = {
 CRASHED = ("ended with code 139", "ended with code 134", "ended with code 136", "terminate called", "Assertion")
 
 
+@contextlib.contextmanager
+def port_block():
+    """A block of ports, kept by a socket on its last one as tests/loopback/workbench.cpp keeps its own."""
+    for block in range(150):
+        base = 10000 + (os.getpid() + block) % 150 * 128
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as guard:
+            try:
+                guard.bind(("127.0.0.1", base + 127))
+            except OSError:
+                continue
+            yield base
+            return
+
+
 class Sweep:
     def __init__(self, programs, library, folder):
         self.thimble, self.library, self.folder = f"{programs}/thimble", library, pathlib.Path(folder)
@@ -46,20 +62,20 @@ class Sweep:
         subprocess.run([self.thimble, "study", self.session, "--subjects", "1", "--out", self.done], check=True,
                        capture_output=True)
 
-    def run(self, scenario, kind, call, place):
+    def run(self, scenario, kind, call):
         """(exit code or None, words, the text to compare)"""
         program, words, file = SCENARIOS[scenario]
         out = self.folder / f"{scenario}-{kind}-{call}"
-        filled = [word.format(session=self.session, out=out, done=self.done, port=28000 + 64 * place)
-                  for word in words]
         env = {**os.environ, "LD_PRELOAD": self.library, "FAIL_ONCE_PROGRAM": program, "FAIL_ONCE_KIND": kind,
                "FAIL_ONCE_AT": str(call), "XDG_STATE_HOME": str(self.folder / "state"),
                "THIMBLE_STOP_DIR": str(self.folder)}
         if call == 0:
             env["FAIL_ONCE_COUNTS"] = str(self.folder / f"{scenario}.counts")
         try:
-            ended = subprocess.run([self.thimble, *filled], env=env, stdin=subprocess.DEVNULL, capture_output=True,
-                                   text=True, errors="replace", timeout=self.most_s, check=False)
+            with port_block() as port:
+                filled = [word.format(session=self.session, out=out, done=self.done, port=port) for word in words]
+                ended = subprocess.run([self.thimble, *filled], env=env, stdin=subprocess.DEVNULL, capture_output=True,
+                                       text=True, errors="replace", timeout=self.most_s, check=False)
         except subprocess.TimeoutExpired as late:
             return None, str(late.stderr), ""
         if file is None:
@@ -71,9 +87,9 @@ class Sweep:
         lines = (self.folder / f"{scenario}.counts").read_text().splitlines()
         return {kind: int(count) for kind, count in (line.split() for line in lines)}
 
-    def complaint(self, scenario, kind, call, place, good):
+    def complaint(self, scenario, kind, call, good):
         """What breaks the promise, or None."""
-        code, words, text = self.run(scenario, kind, call, place)
+        code, words, text = self.run(scenario, kind, call)
         if code is None:
             return f"not done after {self.most_s:.0f} s: {words[-300:]}"
         if code not in CODES or any(sign in words for sign in CRASHED):
@@ -100,13 +116,13 @@ def main(programs, library, wanted, scenarios):
         sweep = Sweep(programs, os.path.abspath(library), folder)
         for scenario in scenarios:
             sweep.most_s, begin = 20 * MOST_S, time.monotonic()
-            code, words, good = sweep.run(scenario, "none", 0, 0)
+            code, words, good = sweep.run(scenario, "none", 0)
             sweep.most_s = max(MOST_S, MOST_TIMES * (time.monotonic() - begin))
             if code != 0:
                 sys.exit(f"{scenario}: exit code {code} though nothing fails: {words}")
             calls = [(kind, call) for kind in KINDS for call in chosen(sweep.counts(scenario)[kind], wanted)]
             with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-                told = pool.map(lambda item: sweep.complaint(scenario, *item[1], item[0] % 64, good), enumerate(calls))
+                told = pool.map(lambda item: sweep.complaint(scenario, *item, good), calls)
                 for (kind, call), complaint in zip(calls, told):
                     tried += 1
                     if complaint:

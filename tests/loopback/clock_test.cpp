@@ -35,6 +35,7 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
     std::map<std::string, std::string> texts;
     for (const auto& file : fs::directory_iterator(folder))
         texts[file.path().filename().string()] = read_text(file.path());
+    EXPECT_FALSE(texts.empty()) << folder;
     return texts;
 }
 
@@ -290,11 +291,11 @@ TEST_F(RunByClock, LockStepKeepsTheTrialsBeforeANodeThatDies) {
 }
 
 TEST_F(RunByClock, LockStepNamesANodeThatNeverAnswers) {
-    Child child = start_into_second_trial({"--answer-limit-s", "3"});
+    Child child = start_into_second_trial({"--answer-limit-s", "10"});
     for (const pid_t pid : nodes("thimble-visual")) kill(pid, SIGSTOP);
     typing_.type("c\n");
     EXPECT_EQ(child.wait(kPatience), 3);
-    EXPECT_THAT(words(), HasSubstr("thimble-visual has not answered within 3 s"));
+    EXPECT_THAT(words(), HasSubstr("thimble-visual has not answered within 10 s"));
     EXPECT_EQ(read_trial_table(out_ / "trials.csv").size(), 2U);
     EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
 }

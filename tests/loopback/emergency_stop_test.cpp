@@ -1,12 +1,16 @@
 // Emergency stops of real sessions: by command, signal and under a lab key, in a trial and before it, without a listener, and kept.
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <variant>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/codec.hpp"
+#include "common/stop_bus.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {
@@ -77,6 +81,41 @@ TEST(EmergencyStop, WhoeverIsHeardByNobodyIsToldSo) {
     const Outcome release = thimble_stop({"--release", "--base-port", std::to_string(ports.base())});
     EXPECT_EQ(release.code, 0) << release.words;
     EXPECT_THAT(release.words, HasSubstr("nothing was stopped here"));
+}
+
+// Another user of the machine, or the answer of an earlier stop.
+TEST(EmergencyStop, OnlyAnAnswerToThisStopAndUnderTheSessionsKeyConfirmsIt) {
+    struct Case {
+        const char* mode;
+        std::uint64_t beside;  // the number of the stop that the answer names
+        int code;
+        const char* words;
+    };
+    for (const Case& one : {Case{"none", 0, 0, "confirmed by session (ports from "},
+                            Case{"none", 1, 3, "no program confirmed the stop"},
+                            Case{"user-key", 0, 3, "only without a key (a lock-step run?), by session"}}) {
+        const Folder folder;
+        const PortBlock ports;
+        const auto file = folder.write("session.toml", fmt::format("[security]\nmode = '{}'\n", one.mode));
+        UdpChannel bus(network_at(ports.base()).at(Port::kSessionStop), Endpoint{"127.0.0.1", 0});
+        Child stop(built_programs() / "thimble",
+                   words_in(fmt::format("stop {} --parallel-conditions 1 --base-port {}", file.string(),
+                                        ports.base())),
+                   folder / "words");
+        Encoder encoder;
+        EXPECT_TRUE(wait_until([&] {
+            if (const auto heard = decode(bus.receive()).message) {
+                auto order = std::get<StopOrder>(heard->body);
+                const Header header{1, {}, 1, number_in_answer(order.id), Role::kSession};
+                order.id += one.beside;
+                order.kind = StopKind::kStop;
+                bus.answer(encoder.encode(header, order));
+            }
+            return stop.poll().has_value();
+        }));
+        EXPECT_EQ(stop.poll(), one.code);
+        EXPECT_THAT(read_text(folder / "words"), HasSubstr(one.words));
+    }
 }
 
 // Without the session file there is no key, and no program hears.

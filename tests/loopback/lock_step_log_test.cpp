@@ -66,7 +66,7 @@ class LockStepLog : public testing::Test {
     // `one` has the results of this session in virtual time.
     void expect_results_of_virtual_time() {
         ASSERT_EQ(run("virtual", "virtual").code, 0);
-        EXPECT_EQ(read_text(folder_ / "one/trials.csv"), read_text(folder_ / "virtual/trials.csv"));
+        EXPECT_EQ(whole_text(folder_ / "one/trials.csv"), read_text(folder_ / "virtual/trials.csv"));
     }
 
     const Folder folder_;

@@ -1,4 +1,5 @@
-// The log of a real run: whole after a good end, readable after a bad one.
+// The log of a real run: whole after a good end, readable after a bad one. And `thimble log` as users start it.
+#include <algorithm>
 #include <csignal>
 #include <sys/resource.h>
 #include <thread>
@@ -9,6 +10,7 @@
 
 #include "common/runtime/wall_clock.hpp"
 #include "tests/loopback/real_run.hpp"
+#include "tests/unit/log/written_log.hpp"
 #include "thimble/log/log_tools.hpp"
 
 namespace thimble {
@@ -134,6 +136,34 @@ TEST(LogRun, AFullDiskUnderATrajectoryEndsTheTrial) {
     const TrialRow row = run.only_row();
     EXPECT_EQ(row.lost_peer, Role::kSession);
     EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+}
+
+TEST(LogProgram, TellsWhatIsInALogAndRepairsOneThatWasCutOff) {
+    const Folder folder;
+    const std::filesystem::path master = folder / "master.mcap", session = folder / "session.mcap";
+    WrittenLog{.messages = {{1, 10}, {2, 20}, {3, 30}}}.write(master);
+    WrittenLog orders{.program = "session", .topic = "/session/orders/master", .messages = {{1, 5}}};
+    orders.bodies = {Message{{8, {}, 0, 4, Role::kSession}, SessionControl{}}};
+    orders.write(session);
+    const auto log = [](const std::string& line) { return run_thimble(words_in("log " + line)); };
+    const Outcome info = log("info " + master.string());
+    EXPECT_EQ(info.code, 0) << info.words;
+    EXPECT_THAT(info.words, testing::AllOf(HasSubstr("thimble-master"), HasSubstr("/master/needle_command")));
+    const auto cat = [&](const char* topic) {
+        return log(fmt::format("cat {} {} --topic {}", master.string(), session.string(), topic));
+    };
+    const Outcome of_master = cat("/master");
+    EXPECT_EQ(of_master.code, 0) << of_master.words;
+    EXPECT_EQ(std::count(of_master.words.begin(), of_master.words.end(), '\n'), 3) << of_master.words;
+    EXPECT_THAT(of_master.words, testing::Not(HasSubstr("/session/orders")));
+    const Outcome of_none = cat("/none");
+    EXPECT_EQ(of_none.code, 0);
+    EXPECT_EQ(of_none.words, "");
+    std::filesystem::resize_file(master, std::filesystem::file_size(master) - 700);
+    EXPECT_EQ(log("check " + master.string()).code, 5);
+    const std::filesystem::path repaired = folder / "repaired.mcap";
+    EXPECT_EQ(log("repair " + master.string() + " --out " + repaired.string()).code, 0);
+    EXPECT_EQ(log("check " + repaired.string()).code, 0);
 }
 
 }  // namespace

@@ -193,12 +193,12 @@ TEST(LoneMaster, HoldsAStopUntilSomebodyWhoHasJustComeReleasesIt) {
         "stop", folder.write("session.toml", config).string(), "--base-port", port, "--parallel-conditions",
         "1"};
     std::vector<std::string> why = stop, release = stop;
-    why.insert(why.end(), {"--reason", "smoke"});
+    why.insert(why.end(), {"--reason", "smoke\x1b[2J"});
     release.emplace_back("--release");
     EXPECT_EQ(run_thimble(why).code, 0);
     const Outcome released = run_thimble(release);
     EXPECT_EQ(released.code, 0) << released.words;
-    EXPECT_THAT(released.words, testing::HasSubstr("released: smoke"));
+    EXPECT_THAT(released.words, testing::HasSubstr("released: smoke?[2J"));
     EXPECT_THAT(run_thimble(release).words, testing::HasSubstr("nothing was stopped here"));
     EXPECT_EQ(node.terminate(), 0);
 }
@@ -209,6 +209,14 @@ TEST(LoneNode, DoesNotTakeAnEmptyGrantKeyForNone) {
     unsetenv("THIMBLE_GRANT_KEY");
     EXPECT_EQ(refused.code, 2) << refused.words;
     EXPECT_THAT(refused.words, testing::HasSubstr("THIMBLE_GRANT_KEY does not hold the key"));
+}
+
+TEST(LoneNode, RefusesAFolderForItsReportBeforeItListens) {
+    const Folder folder;
+    const Outcome refused =
+        run_to_end(built_programs() / "thimble-master", {"--report", (folder / "").string()});
+    EXPECT_EQ(refused.code, 2) << refused.words;
+    EXPECT_THAT(refused.words, testing::HasSubstr("is a folder; name a file"));
 }
 
 // As systemd would hear it.

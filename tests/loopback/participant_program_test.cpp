@@ -32,7 +32,7 @@ class ParticipantSessions {
         return folder_.write(name,
                              fmt::format("[session]\n{}\nmodalities = ['HF', 'CF']\nfixture_jitter_m = 0\n"
                                          "[fixture]\nposition_m = 0.035\n"
-                                         "[trial]\ncontact_hold_s = {}\n"
+                                         "[trial]\ncontact_hold_s = {}\npeer_wait_s = 60\n"
                                          "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\n"
                                          "practice_trials = 0\nbreak_every = {}\nbreak_minimum_s = 0.1\n",
                                          who, contact_hold_s_, break_every_));
@@ -144,7 +144,7 @@ TEST(ParticipantProgram, APersonsSessionIsCutAndGoesOn) {
     }
     EXPECT_GT(records[1].number, 2U) << "the nodes have seen number 2";
     EXPECT_THAT(read_text(sessions.dataset().participants()), HasSubstr("sub-07\thomo sapiens\t31\tF\t"));
-    EXPECT_THAT(rest.words, HasSubstr("2 of 2 trials"));
+    EXPECT_THAT(rest.words, HasSubstr("2 of 2 trials begun"));
     EXPECT_EQ(nodes_alive(sessions.base_port()).size(), kNodePrograms.size()) << "they are not ours to end";
 }
 
@@ -166,6 +166,17 @@ TEST(ParticipantProgram, TheExperimentersCommandsByPipe) {
     EXPECT_THAT(analysed.words, HasSubstr("1 of 3 records of 1 participant"));
     EXPECT_THAT(analysed.words, HasSubstr("sub-07 trial 1 (record 1): phone rang"));
     EXPECT_THAT(analysed.words, HasSubstr("sub-07 trial 2 (record 2): sneezed"));
+    const Outcome included = run_thimble({"dataset", "include", data, "--participant", "P07", "--trial", "1",
+                                          "--reason", "it was another phone"});
+    EXPECT_EQ(included.code, 0) << included.words;
+    EXPECT_THAT(run_thimble({"analyse", data}).words, HasSubstr("2 of 3 records of 1 participant"));
+    const Outcome corrected = run_thimble({"dataset", "correct", data, "--participant", "P07", "--column",
+                                           "age", "--value", "31", "--reason", "typing error", "--by", "LS"});
+    EXPECT_EQ(corrected.code, 0) << corrected.words;
+    EXPECT_THAT(read_text(sessions.dataset().participants()), HasSubstr("\t31\t"));
+    const std::string notes = read_text(sessions.dataset().corrections());
+    for (const char* part : {"\tit was another phone\n", "\tLS\t", "\tage\t", "\t31\ttyping error\n"})
+        EXPECT_THAT(notes, HasSubstr(part));
 }
 
 TEST(ParticipantProgram, ALostNodeIsStartedAnewAndItsTrialRepeated) {

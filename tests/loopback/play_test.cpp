@@ -31,7 +31,7 @@ std::vector<std::string> play_arguments(const Folder& folder, const PortBlock& p
                                         const std::string& settings, const std::vector<std::string>& more) {
     const auto session = folder.write("session.toml",
                                       "[session]\nfixture_jitter_m = 0\n[fixture]\nposition_m = 0.035\n"
-                                      "[trial]\ncontact_hold_s = 0.5\n" +
+                                      "[trial]\ncontact_hold_s = 0.5\npeer_wait_s = 60\n" +
                                           settings + "\n" + kUnprotectedTable);
     return words_in(fmt::format("play {} --out {} --base-port {} --visual-command thimble-visual",
                                 session.string(), (folder / "out").string(), ports.base()),
@@ -378,6 +378,9 @@ TEST(PlayReplay, SaysWhichTrialThereIsNot) {
     EXPECT_NE(outcome.words.find("trials.csv"), std::string::npos) << outcome.words;
     EXPECT_EQ(run_thimble({"play", "--trial", "2"}).code, 2);
     EXPECT_EQ(run_thimble({"play", "--replay", "nothing", "--out", (folder / "out").string()}).code, 2);
+    for (const char* unused :
+         {"--modality HF", "--delay-s 0", "--frames f --speed 2", "--video v --seconds 1"})
+        EXPECT_EQ(run_thimble(words_in(std::string("play --replay nothing ") + unused)).code, 2) << unused;
     const auto session = folder.write("slow.toml", "[session]\ndelays_s = [1.3]\n");
     for (const std::vector<std::string>& shown :
          {std::vector<std::string>{"--visual-command", "thimble-visual", "--base-port",

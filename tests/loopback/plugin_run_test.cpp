@@ -17,10 +17,11 @@ class PluginRun : public testing::Test {
   protected:
     Outcome run(const std::string& plugin, const std::string& keys, const std::string& clock,
                 const std::string& trial = "contact_hold_s = 0.3") const {
-        folder_.write("session.toml",
-                      fmt::format("[session]\nmodalities = ['HF']\ndelays_s = [0.05]\n[trial]\n{}\n"
-                                  "[control]\nplugin = '{}'\n[control.plugin_settings]\n{}\n",
-                                  trial, plugin, keys));
+        folder_.write(
+            "session.toml",
+            fmt::format("[session]\nmodalities = ['HF']\ndelays_s = [0.05]\n[trial]\npeer_wait_s = 60\n{}\n"
+                        "[control]\nplugin = '{}'\n[control.plugin_settings]\n{}\n",
+                        trial, plugin, keys));
         return run_thimble(words_in(fmt::format("run {} --base-port {} --clock {} --out {}",
                                                 (folder_ / "session.toml").string(), ports_.base(), clock,
                                                 (folder_ / clock).string())));
@@ -70,9 +71,9 @@ TEST_F(PluginRun, OneThatDoesNotComeBackIsNamed) {
     }
 }
 
-// In lock-step this takes too long for a test. A busy machine needs longer than the session's patience to start the master.
+// In lock-step this takes too long for a test.
 TEST_F(PluginRun, OneThatIsNotMadeIsNamed) {
-    const Outcome outcome = run(THIMBLE_PLUGINS "/bad.so", "fault_number = 18", "wall", "peer_wait_s = 60");
+    const Outcome outcome = run(THIMBLE_PLUGINS "/bad.so", "fault_number = 18", "wall");
     EXPECT_EQ(outcome.code, 1);
     EXPECT_THAT(outcome.words, HasSubstr("bad.so: did not return from create()"));
 }

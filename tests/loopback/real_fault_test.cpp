@@ -202,15 +202,18 @@ TEST(RealFaults, OutOfFileDescriptors) {
     if (kSanitizerNeedsDescriptors) GTEST_SKIP() << kWhyNot;
     for (const char* program : kNodePrograms) {
         const PortBlock ports;
+        int refused = 0;
         for (unsigned limit = 4; limit < 40; ++limit) {
             const std::string command = fmt::format("ulimit -n {}; exec {} --base-port {}", limit,
                                                     (built_programs() / program).string(), ports.base());
             const Outcome outcome = run_limited(command);
             if (outcome.code == kStands) break;
             if (outcome.code == kNotLoaded) continue;
+            ++refused;
             EXPECT_EQ(outcome.code, 3) << limit << ' ' << outcome.words;
             EXPECT_THAT(outcome.words, HasSubstr("; raise 'ulimit -n'")) << program << ' ' << limit;
         }
+        EXPECT_GT(refused, 0) << program;
     }
 }
 

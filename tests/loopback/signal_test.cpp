@@ -107,8 +107,8 @@ struct Victim {
 // The name that ctest shows. Without it ctest would show the bytes of a pointer, others in every run.
 std::ostream& operator<<(std::ostream& out, const Victim& victim) { return out << victim.program; }
 
-// Promised is about a second. Waiting for the dead to acknowledge the end would take five.
-constexpr Duration kGivenUpWithin = std::chrono::seconds{4};
+// Promised is about a second. Waiting for the dead to acknowledge the end would take a minute (SessionFile::peer_wait_s).
+constexpr Duration kGivenUpWithin = std::chrono::seconds{30};
 
 void expect_lost(RealRun& run, const Victim& victim) {
     const std::string outcome = outcome_text(EndReason::kPeerLost, victim.role);

@@ -77,6 +77,8 @@ TEST(Help, NumbersThatAreNoneAreUsageErrors) {
         {"thimble", "doctor", "--seconds", "nan"},
         {"thimble", "play", "--seconds", "1e10"},
         {"thimble", "stability", "--mass-kg", "inf"},
+        {"thimble", "stability", "--mass-kg", ""},
+        {"thimble", "report", "--out", ""},
         {"thimble-netem", "--to=lab:1", "--seed", "-1"},
         {"thimble-netem", "--to=lab:1", "--max-flows", "-1"},
     };
@@ -85,7 +87,7 @@ TEST(Help, NumbersThatAreNoneAreUsageErrors) {
         const Outcome outcome = run_to_end(built_programs() / words[0], {words.begin() + 1, words.end()});
         EXPECT_EQ(outcome.code, 2) << words[1] << ' ' << typed << outcome.words;
         EXPECT_THAT(outcome.words,
-                    AllOf(HasSubstr(typed), ContainsRegex("not in range .* to |at most 1|finite")));
+                    AllOf(HasSubstr(typed), ContainsRegex("not in range .* to |at most 1|finite|is empty")));
     }
 }
 
@@ -182,6 +184,15 @@ TEST(Configuration, LettersThatTheWindowsFontLacksAreNamed) {
                     HasSubstr("the window's font has no characters for these in [instructions]: U+13000"));
     }
     EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(Configuration, OptionsOfAWindowNeedOne) {
+    const PortBlock ports;
+    for (const char* words : {"--screenshot last.png", "--fullscreen", "--view subject"}) {
+        const Outcome outcome = run_to_end(built_programs() / "thimble-visual",
+                                           words_in(words, {"--base-port", std::to_string(ports.base())}));
+        EXPECT_EQ(outcome.code, 2) << words << ' ' << outcome.words;
+    }
 }
 
 // Of the session's own ports and of a node's, in the words of the program that could not listen.

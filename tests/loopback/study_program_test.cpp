@@ -71,10 +71,17 @@ TEST(StudyProgram, RemovalsAreRunKeptResumedAndAnalysed) {
                 AllOf(HasSubstr("Which conditions oscillate"), HasSubstr("peak displacement")));
     for (const char* file : {"findings.json", "claims.json"})
         EXPECT_EQ(read_text(folder / "analysis" / file), read_text(folder / "out" / file)) << file;
+    for (const char* file : {"trials.csv", "summary.json", "claims.json", "report.html"}) {
+        const std::string before = read_text(folder / "out" / file);
+        EXPECT_EQ(run_thimble({"analyse", out, "--out", out + '/' + file}).code, 2) << file;
+        EXPECT_EQ(read_text(folder / "out" / file), before) << file;
+    }
+    EXPECT_EQ(run_thimble({"report", "--study", out, "--out", out + "/trials.csv"}).code, 2);
+    EXPECT_EQ(read_text(folder / "out" / "trials.csv"), table);
 
-    const Outcome json = run_thimble({"analyse", out, "--json"});
-    EXPECT_EQ(json.code, 0) << json.words;
-    const auto parsed = Json::parse(json.words);
+    const Outcome printed = run_thimble({"analyse", out, "--json"});
+    EXPECT_EQ(printed.code, 0) << printed.words;
+    const auto parsed = Json::parse(printed.words);
     EXPECT_EQ(parsed["claims"].dump(), Json::parse(read_text(folder / "out" / "claims.json")).dump());
     EXPECT_EQ(parsed["findings"].dump(), Json::parse(read_text(folder / "out" / "findings.json")).dump());
     EXPECT_EQ(parsed["answer"].size(), 3U);
@@ -154,7 +161,7 @@ TEST(StudyProgram, MistakesAreNamed) {
         const Outcome refused = run_thimble({"study", "--vary", range, "--out", varied});
         EXPECT_EQ(refused.code, 2) << refused.words;
         EXPECT_THAT(refused.words, HasSubstr("handle.fric"));
-        EXPECT_FALSE(std::filesystem::exists(out));
+        EXPECT_FALSE(std::filesystem::exists(varied));
     }
     const Outcome missing = run_thimble({"analyse", (folder / "nothing.csv").string()});
     EXPECT_EQ(missing.code, 5) << missing.words;

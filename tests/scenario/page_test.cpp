@@ -104,7 +104,9 @@ TEST(LiveTrial, TheVirtualSubjectDoesAllByItself) {
 
 TEST(LiveTrial, NetworksHaveNames) {
     LiveTrial trial(choice(Modality::kHF));
+    EXPECT_DOUBLE_EQ(trial.state().delay_s, 0.05);
     EXPECT_TRUE(trial.change_network("geo"));
+    EXPECT_DOUBLE_EQ(trial.state().delay_s, 0.3);
     EXPECT_FALSE(trial.change_network("starlight"));
 }
 
@@ -115,6 +117,13 @@ TEST(LiveTrial, ThePictureHasTheNeedleAndTheWall) {
     ASSERT_TRUE(scene.cut_away);
     EXPECT_NEAR(scene.cut_away->position_needle_m, 0.05, 0.01);
     EXPECT_EQ(scene.cut_away->position_fixture_m, trial.state().fixture_m);
+}
+
+TEST(LiveTrial, ThePictureKnowsWhereTheSkinRestsBeforeTheFirstFrame) {
+    LiveTrial trial(choice(Modality::kHF));
+    for (int ms = 0; ms < 100 && !trial.scene().cut_away; ++ms) trial.advance(0.001);
+    ASSERT_TRUE(trial.scene().cut_away);
+    EXPECT_NEAR(trial.scene().position_surface_rest_m, 0.02, 1e-3);
 }
 
 // The page's promise: the bytes of the native study, whatever the slices.

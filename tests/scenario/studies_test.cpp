@@ -269,6 +269,21 @@ TEST_F(StudyFiles, CompensatorsAreComparedByTheSameStatistics) {
     EXPECT_EQ(run_study(paper(), options).resumed, 15U);
 }
 
+TEST_F(StudyFiles, AStudyGoesOnWithAllOfItsTrajectoriesOrNone) {
+    use({experiment_3(paper(), 1, 1)});
+    options.control = false;
+    options.trajectories = true;
+    run_study(paper(), options);
+    options.if_exists = IfExists::kContinue;
+    EXPECT_EQ(run_study(paper(), options).resumed, 4U);
+    options.trajectories = false;
+    EXPECT_THROW(run_study(paper(), options), Error);
+    std::filesystem::remove_all(folder / "trajectories");
+    EXPECT_EQ(run_study(paper(), options).resumed, 4U);
+    options.trajectories = true;
+    EXPECT_THROW(run_study(paper(), options), Error);
+}
+
 // Nothing of the earlier study may pass for the new one's, also if that is interrupted before its first trial.
 TEST_F(StudyFiles, AReplacedStudyLeavesNothingBehind) {
     use({experiment_3(paper(), 1, 1)});

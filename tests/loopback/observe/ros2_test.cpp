@@ -187,8 +187,8 @@ TEST(Ros2, AnotherMachineIsRefusedByName) {
     const auto refused = run_to_end(built_programs() / "thimble-ros2", {"--interface", "192.0.2.1"});
     EXPECT_EQ(refused.code, 2);
     EXPECT_THAT(refused.words, HasSubstr("--interface: '192.0.2.1' is not this machine alone"));
-    const auto name = run_to_end(built_programs() / "thimble-ros2", {"--prefix", "a b"});
-    EXPECT_EQ(name.code, 2);
+    for (const char* prefix : {"a b", "lab", "/", "/lab/", "/lab//thimble", "/lab/2"})
+        EXPECT_EQ(run_to_end(built_programs() / "thimble-ros2", {"--prefix", prefix}).code, 2) << prefix;
 }
 
 }  // namespace

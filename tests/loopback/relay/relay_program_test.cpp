@@ -239,6 +239,7 @@ TEST_F(RelayProgram, WatchesARelayThatStartsAgain) {
     const std::string control = folder_ / "control";
     sockaddr_un name{};
     name.sun_family = AF_UNIX;
+    ASSERT_LT(control.size(), sizeof name.sun_path) << "set TMPDIR to a shorter path";
     control.copy(name.sun_path, sizeof name.sun_path - 1);
     const int listening = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     ASSERT_EQ(bind(listening, static_cast<sockaddr*>(static_cast<void*>(&name)), sizeof name), 0);
@@ -263,6 +264,7 @@ TEST_F(RelayProgram, OutlivesGarbageOnItsControlSocket) {
     const Client client(netem.inlet());
     sockaddr_un name{};
     name.sun_family = AF_UNIX;
+    ASSERT_LT(control.size(), sizeof name.sun_path) << "set TMPDIR to a shorter path";
     control.copy(name.sun_path, sizeof name.sun_path - 1);
     netem.inlet();
     std::vector<int> raws;
@@ -360,6 +362,8 @@ TEST_F(RelayProgram, SaysWhatIsWrongWithACommandLine) {
     EXPECT_EQ(run_netem({"--listen", "x", "--to", "127.0.0.1:1"}).code, 2);
     EXPECT_EQ(run_netem({"--listen", "0", "--to", "127.0.0.1:1", "--link", "loss=2"}).code, 2);
     EXPECT_EQ(run_netem({"--listen", "0", "--to", "127.0.0.1:1", "--nonsense"}).code, 2);
+    for (const char* of_traffic : {"--strict-rt", "--log=x", "--metrics=1", "--idle-s=1", "--print-tc=eth0"})
+        EXPECT_EQ(run_netem({"--selftest", of_traffic}).code, 2) << of_traffic;
     EXPECT_EQ(run_netem({"log", "/nowhere"}).code, 5);
     EXPECT_THAT(run_netem({"log", "/proc/self/mem"}).said, HasSubstr("cannot be read to its end"));
     const Ended help = run_netem({"--help"});

@@ -1,5 +1,6 @@
 // thimble-netem shell around small scripts: what a program finds behind the link, and what it leaves.
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <fstream>
 #include <mutex>
@@ -8,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "common/runtime/udp_channel.hpp"
 #include "tests/loopback/shell/shell_rig.hpp"
 
 namespace thimble {
@@ -87,14 +89,22 @@ TEST_F(ShellProgram, AnOrphanThatEndsIsGone) {
 std::set<int> arrived(const std::function<ProgramResult(const std::string& port)>& send) {
     std::mutex lock;
     std::set<int> numbers;
+    std::atomic<bool> all_came{false};
     const OuterServer server(SOCK_DGRAM, [&](int socket) {
         std::array<char, 64> room{};
         const auto size = recv(socket, room.data(), room.size() - 1, 0);
+        const int number = size > 0 ? std::stoi(room.data()) : 0;
         const std::scoped_lock held(lock);
-        if (size > 0) numbers.insert(std::stoi(room.data()));
+        if (number > 0) numbers.insert(number);
+        all_came = all_came || (size > 0 && number == 0);
     });
     EXPECT_EQ(send(server.port()).exit_code, 0);
-    std::this_thread::sleep_for(std::chrono::milliseconds{200});  // what is still in the socket
+    // Behind what is still in the server's socket.
+    UdpChannel last(std::nullopt, {"127.0.0.1", static_cast<std::uint16_t>(std::stoi(server.port()))});
+    EXPECT_TRUE(wait_until([&] {
+        last.send(std::array<std::uint8_t, 1>{'0'});
+        return all_came.load();
+    }));
     const std::scoped_lock held(lock);
     return numbers;
 }
@@ -167,6 +177,7 @@ TEST_F(ShellProgram, TestsItself) {
         EXPECT_GT(result.at(direction).at("arrived"), 100) << direction;
     }
     EXPECT_EQ(netem("shell --selftest", {"true"}).exit_code, 2);
+    EXPECT_EQ(netem("shell --seconds 1", {"true"}).exit_code, 2);
 }
 
 TEST_F(ShellProgram, RefusesAFolderThatIsTooLongForASocket) {

@@ -16,6 +16,7 @@ namespace {
 int bound_socket(int type, const std::filesystem::path& path) {
     sockaddr_un name{};
     name.sun_family = AF_UNIX;
+    EXPECT_LT(path.string().size(), sizeof name.sun_path) << "set TMPDIR to a shorter path";
     path.string().copy(name.sun_path, sizeof name.sun_path - 1);
     const int opened = socket(AF_UNIX, type | SOCK_CLOEXEC, 0);
     EXPECT_EQ(bind(opened, static_cast<sockaddr*>(static_cast<void*>(&name)), sizeof name), 0);
