@@ -187,12 +187,14 @@ def try_replay(visitor):
 
 def try_lost_context(visitor):
     """The WebGL context goes and comes back, as after sleep or a new graphics driver."""
-    opaque = visitor.driver.execute_async_script(
-        "const done = arguments[0], view = page.views[1], gl = view.gl, context = gl.getExtension('WEBGL_lose_context'), pixel = new Uint8Array(4);"
-        "context.loseContext();"
-        "setTimeout(() => context.restoreContext(), 300);"
-        "setTimeout(() => { view.draw(true); gl.readPixels(10, 10, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); done(pixel[3]); }, 1500)")
-    expect(opaque == 255, "pictures come back after a lost context")
+    before, after = visitor.driver.execute_async_script(
+        "const done = arguments[0], view = page.views[1], gl = view.gl, context = gl.getExtension('WEBGL_lose_context');"
+        "const corner = () => { const pixel = new Uint8Array(4); view.draw(true); gl.readPixels(10, 10, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); return [...pixel]; };"
+        "const before = corner();"
+        "view.solid.addEventListener('webglcontextlost', () => setTimeout(() => context.restoreContext()), { once: true });"
+        "view.solid.addEventListener('webglcontextrestored', () => done([before, corner()]), { once: true });"
+        "context.loseContext();")
+    expect(before == after and after[3] > 0, f"pictures come back after a lost context {after}")
 
 
 PAD = """window.motors = [];
