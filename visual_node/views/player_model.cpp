@@ -13,7 +13,7 @@ constexpr double kNoticeableDelay_s = 0.02;
 
 // Without words of its own, a keyboard or a device has those of the mouse.
 struct Hint {
-    const char* mouse;
+    const char* mouse = nullptr;
     const char* keyboard = nullptr;
     const char* device = nullptr;
 
