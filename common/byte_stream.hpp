@@ -24,7 +24,7 @@ class ByteStream : boost::noncopyable {
     // As many bytes as have come and `room` holds; 0: none, or it is closed.
     virtual std::size_t receive(std::span<char> room) = 0;
     virtual void close() = 0;
-    // Why it is closed, in words of the system: "Connection refused".
+    // Why it is closed: that the other side closed it, or words of the system like "Connection refused".
     virtual std::string_view why() const = 0;
 };
 

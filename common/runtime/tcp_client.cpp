@@ -14,6 +14,9 @@ constexpr int kUnsentBytes = 4096;
 
 bool passes(int error) { return error == EAGAIN || error == EINTR || error == EINPROGRESS; }
 
+// Which of them it is depends on the bytes that the other side had not read when it closed.
+bool other_side_closed(int error) { return error == 0 || error == ECONNRESET || error == EPIPE; }
+
 }  // namespace
 
 TcpClient::TcpClient(const Endpoint& there, std::string_view advice)
@@ -75,7 +78,7 @@ void TcpClient::close() {
 
 void TcpClient::fail(int error) {
     close();
-    why_ = error == 0 ? "the other side closed it" : std::strerror(error);
+    why_ = other_side_closed(error) ? "the other side closed it" : std::strerror(error);
 }
 
 }  // namespace thimble

@@ -1,8 +1,9 @@
-// Datagrams over the loopback interface. Order and counters only: nothing here measures time.
+// Datagrams and bytes over the loopback interface. Order and counters only: nothing here measures time.
 #include <array>
 #include <cstring>
 #include <poll.h>
 #include <string>
+#include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/queue_channel.hpp"
 #include "common/runtime/sockets.hpp"
+#include "common/runtime/tcp_client.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "tests/allocation_count.hpp"
 #include "tests/refusal.hpp"
@@ -295,6 +297,46 @@ TEST(QueueChannel, AMessageIsKeptUntilTheNextCallAndThenUsedAgain) {
         EXPECT_EQ(last->message.header.sequence, i);
     }
     EXPECT_EQ(pool.size(), 64U);
+}
+
+// A program that listens on a port that the kernel has chosen.
+class Tcp : public testing::Test {
+  protected:
+    void SetUp() override {
+        sockaddr_in here{};
+        here.sin_family = AF_INET;
+        here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        socklen_t size = sizeof here;
+        ASSERT_EQ(bind(listening_, reinterpret_cast<const sockaddr*>(&here), size), 0);
+        ASSERT_EQ(listen(listening_, 1), 0);
+        ASSERT_EQ(getsockname(listening_, reinterpret_cast<sockaddr*>(&here), &size), 0);
+        port_ = ntohs(here.sin_port);
+    }
+    void TearDown() override { close(listening_); }
+    // What a client says once the other side has closed, with these bytes unread.
+    std::string why_closed(std::string_view unread) const {
+        TcpClient client({kHere, port_}, "");
+        client.connect();
+        const int accepted = accept(listening_, nullptr, nullptr);
+        EXPECT_EQ(client.state(), ByteStream::State::kOpen);
+        EXPECT_EQ(client.send(unread), unread.size());
+        close(accepted);
+        std::array<char, 8> room{};
+        for (int i = 0; i < 5000 && client.state() == ByteStream::State::kOpen; ++i) {
+            EXPECT_EQ(client.receive(room), 0U);
+            wall_sleep(milliseconds{1});
+        }
+        return std::string(client.why());
+    }
+
+  private:
+    int listening_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    std::uint16_t port_ = 0;
+};
+
+TEST_F(Tcp, AClientSaysThatTheOtherSideClosedWhateverWasUnread) {
+    EXPECT_EQ(why_closed(""), "the other side closed it");
+    EXPECT_EQ(why_closed("not read"), "the other side closed it");
 }
 
 TEST(QueueChannel, AMessageForWhichThereIsNoRoomIsLostAndCounted) {
