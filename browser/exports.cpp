@@ -1,5 +1,4 @@
 // Functions for the page's JavaScript. Only numbers and texts pass.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <emscripten.h>
@@ -149,12 +148,7 @@ EMSCRIPTEN_KEEPALIVE void show_sample(int side, double needle_m, double surface_
     scene.position_needle_m = needle_m;
     scene.position_surface_m = surface_m;
     scene.position_surface_rest_m = rest_m;
-    const double total_N = tissue_N + fixture_N;
-    scene.fingertip_N = std::max(0.0, -total_N);
-    scene.thumb_N = std::max(0.0, total_N);
-    scene.bar_shown = cut.modality == Modality::kVF;
-    scene.bar_N = scene.bar_shown ? scene.fingertip_N : 0;
-    scene.cut_away = cut;
+    scene.set_cut_away(cut, tissue_N + fixture_N);
 }
 // Levels of a gamepad's motors, 0 to 1, strong and weak; null if there is no new command.
 EMSCRIPTEN_KEEPALIVE const double* rumble(int side, double now_s) {

@@ -89,7 +89,7 @@ struct RateSettings {
     Drop drop = Drop::kTail;
     std::size_t cell_bytes = 0, cell_overhead_bytes = 0;  // 0: no cells
 
-    // What a packet of `size` bytes takes of the rate.
+    // A packet of `size` bytes takes so many bytes of the rate.
     std::size_t bytes_on_air(std::size_t size) const {
         const std::size_t bytes = size + overhead_bytes;
         if (cell_bytes == 0) return bytes;

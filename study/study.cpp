@@ -131,8 +131,9 @@ class Study {
     std::filesystem::path trajectory_file(const TrialConditions& c, const std::string& table) const {
         const bool own_trials = table == "trials" || table == "control";
         return options_.out / "trajectories" /
-               fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{:g}ms{}.csv", c.experiment, c.subject,
-                           c.trial, to_string(c.modality), 1000 * c.delay_s, own_trials ? "" : "_" + table);
+               fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{}{}.csv", c.experiment, c.subject,
+                           c.trial, to_string(c.modality), delay_in_names(c.delay_s),
+                           own_trials ? "" : "_" + table);
     }
 
     // A study that goes on keeps the trajectories of all its trials, or of none.

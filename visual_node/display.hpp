@@ -1,6 +1,7 @@
 // The fourth seam: something that shows a Scene. Scene holds only what the operator may see.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -46,6 +47,15 @@ struct Scene {
     SessionTime answer_time{};  // when slave_sim answered, on its clock
     std::uint32_t trial = 0;
     std::optional<CutAway> cut_away{};
+
+    // A view of the inside shows the whole force (negative resists insertion): on both fingers, and in VF as the bar.
+    void set_cut_away(const CutAway& inside, double force_total_N) {
+        fingertip_N = std::max(0.0, -force_total_N);
+        thumb_N = std::max(0.0, force_total_N);
+        bar_shown = inside.modality == Modality::kVF;
+        bar_N = bar_shown ? fingertip_N : 0;
+        cut_away = inside;
+    }
 };
 
 // The subject's answer to question number `question` of the page set.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "analysis/report/report.hpp"
+#include "session/records/trajectory_file.hpp"
 
 namespace thimble {
 namespace {
@@ -30,9 +31,8 @@ std::vector<FigureSource> figures_of(const std::vector<TrialRow>& rows, std::uin
                                       bar_figure(summarize(own), "bars" + suffix)};
     for (const double delay_s : delays_s) {
         const bool alone = delays_s.size() == 1;
-        for (FigureSource& figure :
-             figures_at(StudyColumns(rows, experiment, delay_s),
-                        alone ? suffix : fmt::format("{}_{:g}ms", suffix, 1000 * delay_s))) {
+        for (FigureSource& figure : figures_at(StudyColumns(rows, experiment, delay_s),
+                                               alone ? suffix : suffix + '_' + delay_in_names(delay_s))) {
             if (!alone) figure.title += " at " + delay_text(delay_s);
             figures.push_back(std::move(figure));
         }

@@ -8,6 +8,7 @@
 #include <toml++/toml.h>
 
 #include "common/error.hpp"
+#include "session/records/trajectory_file.hpp"
 #include "study/board/board_plan.hpp"
 
 namespace thimble {
@@ -107,7 +108,7 @@ BoardCondition condition_of(const toml::table& row, const Factors& factors) {
     condition.jitter_s = row["jitter_s"].value_or(0.0);
     condition.loss = row["loss"].value_or(0.0);
     condition.network = network.name;
-    condition.name = ideal ? fmt::format("{:g}ms", 1000 * delay_s) : network.name;
+    condition.name = ideal ? delay_in_names(delay_s) : network.name;
     if (condition.jitter_s > 0) condition.name += "+jitter";
     if (condition.loss > 0) condition.name += "+loss";
     std::vector<std::string> fragments{network.keys};

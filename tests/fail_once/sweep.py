@@ -8,17 +8,15 @@ in which nothing fails, or what it prints. Otherwise it says why on stderr, and 
 """
 
 import concurrent.futures
-import contextlib
 import os
 import pathlib
-import socket
 import subprocess
 import sys
 import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from one_trial import one_trial  # noqa: E402
+from one_trial import one_trial, port_block  # noqa: E402
 
 MOST_S = 60  # or so many times as long as a run in which nothing fails: a machine with much other work is slow
 MOST_TIMES = 20
@@ -36,20 +34,6 @@ SCENARIOS = {
        for node in ("slave-sim", "master", "cutaneous", "visual", "netem")},
 }
 CRASHED = ("ended with code 139", "ended with code 134", "ended with code 136", "terminate called", "Assertion")
-
-
-@contextlib.contextmanager
-def port_block():
-    """A block of ports, kept by a socket on its last one as tests/loopback/workbench.cpp keeps its own."""
-    for block in range(150):
-        base = 10000 + (os.getpid() + block) % 150 * 128
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as guard:
-            try:
-                guard.bind(("127.0.0.1", base + 127))
-            except OSError:
-                continue
-            yield base
-            return
 
 
 class Sweep:

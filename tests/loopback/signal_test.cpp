@@ -108,7 +108,7 @@ struct Victim {
 std::ostream& operator<<(std::ostream& out, const Victim& victim) { return out << victim.program; }
 
 // Promised is about a second. Waiting for the dead to acknowledge the end would take a minute (SessionFile::peer_wait_s).
-constexpr Duration kGivenUpWithin = std::chrono::seconds{30};
+constexpr Duration kGivenUpWithin = std::chrono::seconds{4};
 
 void expect_lost(RealRun& run, const Victim& victim) {
     const std::string outcome = outcome_text(EndReason::kPeerLost, victim.role);

@@ -11,39 +11,11 @@
 
 #include <fmt/format.h>
 
-#include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/security/lab_key_file.hpp"
 #include "common/security/secret.hpp"
 
 namespace thimble {
-namespace {
-
-// Below the range from which the kernel draws ports for sockets that did not ask for one.
-constexpr unsigned kFirstPort = 10000;
-constexpr unsigned kPortsPerBlock = 128;
-constexpr unsigned kBlocks = 150;
-
-}  // namespace
-
-std::unique_ptr<UdpChannel> listen_at(unsigned port) {
-    return std::make_unique<UdpChannel>(Endpoint{"127.0.0.1", static_cast<std::uint16_t>(port)},
-                                        Endpoint{"127.0.0.1", 0});
-}
-
-std::pair<unsigned, std::unique_ptr<UdpChannel>> first_free(
-    unsigned count, const std::function<std::unique_ptr<UdpChannel>(unsigned)>& claim) {
-    for (unsigned i = 0; i < count; ++i) {
-        const unsigned at = (static_cast<unsigned>(getpid()) + i) % count;
-        try {
-            return {at, claim(at)};
-        } catch (const Error&) {
-            continue;
-        }
-    }
-    throw std::runtime_error("no free UDP ports");
-}
-
 bool wait_until(const std::function<bool()>& condition, Duration limit) {
     const SessionTime deadline = wall_now() + limit;
     while (!condition()) {
@@ -85,14 +57,6 @@ PortBlock::PortBlock() {
     std::filesystem::create_directory(stops);
     setenv("THIMBLE_STOP_DIR", stops.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): before any thread
     setenv("XDG_STATE_HOME", (kStops / "state").c_str(), 1);  // NOLINT(concurrency-mt-unsafe): likewise
-    auto [block, guard] = first_free(kBlocks, [](unsigned at) {
-        const unsigned base = kFirstPort + at * kPortsPerBlock;
-        auto last = listen_at(base + kPortsPerBlock - 1);
-        for (unsigned i = 0; i < kPortsPerBlock - 1; ++i) listen_at(base + i);
-        return last;
-    });
-    base_ = static_cast<std::uint16_t>(kFirstPort + block * kPortsPerBlock);
-    guard_ = std::move(guard);
 }
 
 NetworkSettings network_at(std::uint16_t base_port, const SecuritySettings& security) {

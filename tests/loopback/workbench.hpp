@@ -5,14 +5,12 @@
 #include <array>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "common/network_settings.hpp"
-#include "common/runtime/udp_channel.hpp"
 #include "common/time.hpp"
+#include "tests/guarded_ports.hpp"
 #include "tests/read_text.hpp"
 
 namespace thimble {
@@ -42,23 +40,10 @@ class Folder {
 // A command line: the words of `line`, which spaces part, and then `more`.
 std::vector<std::string> words_in(const std::string& line, const std::vector<std::string>& more = {});
 
-// A socket on that UDP port of 127.0.0.1. Throws Error (network) if another program has it.
-std::unique_ptr<UdpChannel> listen_at(unsigned port);
-
-// The first number below `count`, from one of this process's own on, for which `claim` gives a socket and throws no Error.
-std::pair<unsigned, std::unique_ptr<UdpChannel>> first_free(
-    unsigned count, const std::function<std::unique_ptr<UdpChannel>(unsigned)>& claim);
-
-// UDP ports of 127.0.0.1 for two conditions that were free when this object was made. A socket on the last one
-// of the block keeps tests that run side by side apart.
-class PortBlock {
+// Ports for a test of real programs, and a place of its own for their stops.
+class PortBlock : public GuardedPorts {
   public:
     PortBlock();
-    std::uint16_t base() const { return base_; }
-
-  private:
-    std::uint16_t base_ = 0;
-    std::unique_ptr<UdpChannel> guard_;
 };
 
 // Of tests that talk to programs, or listen to them, without protection.

@@ -2,7 +2,6 @@
 import os
 import pathlib
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -12,6 +11,9 @@ import pandas
 import pytest
 
 import thimble
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from one_trial import port_block  # noqa: E402
 
 BIN = pathlib.Path(os.environ["THIMBLE_BIN"])
 
@@ -110,16 +112,8 @@ def test_ctrl_c_ends_long_work():
 
 @pytest.fixture
 def base_port():
-    """A block of ports, kept by a socket on its last one as tests/loopback/workbench.cpp keeps its own."""
-    for block in range(150):
-        base = 10000 + (os.getpid() + block) % 150 * 128
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as guard:
-            try:
-                guard.bind(("127.0.0.1", base + 127))
-            except OSError:
-                continue
-            yield base
-            return
+    with port_block() as base:
+        yield base
 
 
 def test_a_log_has_what_the_program_exports(tmp_path, base_port, monkeypatch):

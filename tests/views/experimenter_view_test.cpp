@@ -57,15 +57,14 @@ class ExperimenterView : public OnAScreen {
     std::optional<Child> view_;
 };
 
-// Whether the fixture's line stands where it belongs in the cut-away view, and nowhere else.
-bool has_fixture_at_its_place(const Image& image, double scale) {
-    if (image.width == 0) return false;
+// Checks that the fixture's line stands where it belongs in the cut-away view, and nowhere else.
+void expect_fixture_at_its_place(const Image& image, double scale) {
     const CutawayPlan plan = plan_cutaway(experimenter_layout(image.width, image.height, scale).scene);
     const double wide = plan.block_right - plan.block_left;
     const Rect row{plan.area.x, std::floor(plan.y(kDemonstrationFixture_m)), plan.area.width, 3 * scale};
     const int line = count_pixels(image, row, kWallLine);
-    // Two pixels high, and the needle covers some.
-    return line > wide && count_pixels(image, plan.area, kWallLine) == line;
+    EXPECT_GT(line, wide);  // two pixels high, and the needle covers some
+    EXPECT_EQ(count_pixels(image, plan.area, kWallLine), line);
 }
 
 // Where `colour` reaches in a column of pixels, as top and bottom; an empty range without any.
@@ -110,36 +109,31 @@ TEST_F(ExperimenterView, ShowsTheFixtureAtItsPlaceAndTheOscillationWhole) {
     }));
     ASSERT_EQ(image.width, 800);
     ASSERT_EQ(image.height, 600);
-    EXPECT_TRUE(has_fixture_at_its_place(image, 1));
+    expect_fixture_at_its_place(image, 1);
     // Before the view started there is nothing, and no line to it.
     EXPECT_EQ(reach(image, box, kBluishGreen, static_cast<int>(box.x), static_cast<int>(box.x) + 100).second,
               -1);
 }
 
 TEST_F(ExperimenterView, SaysInRedThatTheSessionIsSilentAndHearsTheNextOne) {
-    // Where the machine stalls, the last picture is an old one. Then another is taken.
-    EXPECT_TRUE(wait_until([&] {
-        begin();
-        if (!screen_->type("p") || !asked(OrderKind::kPause)) return false;
-        session_.reset();
-        pass(1.5);
-        session_.emplace(ports_.base(), ++sessions_, 4);  // another one
-        pass(1);                                // both agree on keys: 0.3 s of silence, and a moment
-        const bool typed = screen_->type("p");  // it is not paused, and the view has seen that
-        pass(1);
-        const Image image = end();
-        return typed && image.width == 800 && !alarmed(image) &&
-               session_->count(OrderKind::kPause) + session_->count(OrderKind::kResume) > 0;
-    }));
-    // The last values stay, and their age stands beside them.
-    EXPECT_TRUE(wait_until([&] {
-        begin();
-        pass(0.5);
-        session_.reset();
-        pass(1);
-        const Image silent = end();
-        return silent.width == 800 && alarmed(silent) && has_fixture_at_its_place(silent, 1);
-    }));
+    begin();
+    ASSERT_TRUE(screen_->type("p"));
+    ASSERT_TRUE(asked(OrderKind::kPause));
+    session_.reset();
+    pass(1.5);
+    session_.emplace(ports_.base(), ++sessions_, 4);  // another one
+    pass(1);                                          // both agree on keys: 0.3 s of silence, and a moment
+    ASSERT_TRUE(screen_->type("p"));                  // it is not paused, and the view has seen that
+    pass(1);
+    EXPECT_FALSE(alarmed(end()));
+    EXPECT_GT(session_->count(OrderKind::kPause) + session_->count(OrderKind::kResume), 0);
+    begin();
+    pass(0.5);
+    session_.reset();
+    pass(1);
+    const Image silent = end();
+    EXPECT_TRUE(alarmed(silent));
+    expect_fixture_at_its_place(silent, 1);  // what was known last stays, and its age stands beside it
 }
 
 TEST_F(ExperimenterView, EveryKeyAsksTheSession) {
@@ -208,62 +202,53 @@ TEST_F(ExperimenterView, ButtonsAndSliderAskTheSession) {
 }
 
 TEST_F(ExperimenterView, SaysThatTheSessionDoesNotAnswer) {
+    begin();
+    session_->obey(false);
+    ASSERT_TRUE(screen_->type("p"));
+    ASSERT_TRUE(asked(OrderKind::kPause, 20));
+    pass(2.5);
+    EXPECT_LE(session_->count(OrderKind::kPause), 41);
+    session_->fail(
+        "drive 3 (acting hand, index, cable 2): EMCY 0x2310 (over-current); remove the cause, then start "
+        "again");
+    pass(0.3);
+    const Image image = end();
+    EXPECT_TRUE(alarmed(image));
     // The device's words, black on red, over the top of the cut-away view and no more.
     const Rect side{0, kBannerHeight, experimenter_layout(800, 600, 1).readings.x, 600 - kBannerHeight};
-    Image image;
-    EXPECT_TRUE(wait_until([&] {
-        begin();
-        session_->obey(false);
-        if (!screen_->type("p") || !asked(OrderKind::kPause, 20)) return false;
-        pass(2.5);
-        EXPECT_LE(session_->count(OrderKind::kPause), 41);
-        session_->fail(
-            "drive 3 (acting hand, index, cable 2): EMCY 0x2310 (over-current); remove the cause, then "
-            "start again");
-        pass(0.3);
-        image = end();
-        return image.width == 800 && alarmed(image) &&
-               count_pixels(image, {side.x, side.y, side.width, 10}, kVermillion) > 5 * side.width;
-    }));
-    ASSERT_EQ(image.width, 800);
+    EXPECT_GT(count_pixels(image, {side.x, side.y, side.width, 10}, kVermillion), 5 * side.width);
     EXPECT_EQ(count_pixels(image, {side.x, side.y + side.height / 2, side.width, 10}, kVermillion), 0);
 }
 
-// The list of keys stands in the middle, its keys in orange, one below the other.
-int keys_listed(const Image& image) {
+TEST_F(ExperimenterView, ListsEveryKey) {
+    begin();
+    ASSERT_TRUE(screen_->type("?"));
+    pass(0.5);
+    const Image image = end();
+    // The list stands in the middle, its keys in orange, one below the other.
     int lines = 0, before = 0;
     for (int y = 0; y < image.height; ++y) {
         const int now = count_pixels(image, {20, static_cast<double>(y), 150, 1}, kOrange);
         lines += now > 0 && before == 0;
         before = now;
     }
-    return lines;
-}
-
-TEST_F(ExperimenterView, ListsEveryKey) {
-    EXPECT_TRUE(wait_until([&] {
-        begin();
-        const bool typed = screen_->type("?");
-        pass(0.5);
-        return typed && keys_listed(end()) >= 15;
-    }));
+    EXPECT_GE(lines, 15);
 }
 
 TEST_F(ExperimenterView, FollowsTheWindowsSizeAndTheMonitorsScale) {
-    EXPECT_TRUE(wait_until([&] {
-        begin();
-        const bool pulled = screen_->resize(1100, 700);
-        pass(0.7);
-        const Image resized = end();
-        return pulled && resized.width == 1100 && resized.height == 700 &&
-               has_fixture_at_its_place(resized, 1);
-    }));
-    EXPECT_TRUE(wait_until([&] {
-        begin(4, {"--width", "600", "--height", "480", "--scale", "2"});
-        pass(0.7);
-        const Image twice = end();
-        return twice.width == 1200 && twice.height == 960 && has_fixture_at_its_place(twice, 2);
-    }));
+    begin();
+    ASSERT_TRUE(screen_->resize(1100, 700));
+    pass(0.7);
+    const Image resized = end();
+    ASSERT_EQ(resized.width, 1100);
+    ASSERT_EQ(resized.height, 700);
+    expect_fixture_at_its_place(resized, 1);
+    begin(4, {"--width", "600", "--height", "480", "--scale", "2"});
+    pass(0.7);
+    const Image twice = end();
+    ASSERT_EQ(twice.width, 1200);
+    ASSERT_EQ(twice.height, 960);
+    expect_fixture_at_its_place(twice, 2);
 }
 
 TEST_F(ExperimenterView, WithoutScreenOrPortItSaysWhatToDo) {

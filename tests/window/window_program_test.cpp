@@ -36,23 +36,18 @@ TEST(WindowProgram, RefusesToStartWithoutScreen) {
 using WindowProgramOnAScreen = OnAScreen;
 
 TEST_F(WindowProgramOnAScreen, ReportsItsFramesAndEndsBySignal) {
+    const auto report = screen_->folder() / "report.json";
     const PortBlock ports;
-    nlohmann::json json;
-    // Where the machine stalls, it draws hardly a frame. Then it is started again.
-    EXPECT_TRUE(wait_until([&] {
-        const Folder folder;
-        const auto report = folder / "report.json";
-        Child visual(kProgram,
-                     {"--role", "player", "--base-port", std::to_string(ports.base()), "--report", report},
-                     folder / "log");
-        if (!wait_for_words(folder / "log", "ready")) return false;
-        wall_sleep(milliseconds{500});
-        visual.signal(SIGTERM);
-        EXPECT_EQ(visual.wait(kPatience), 0) << visual.last_lines();
-        json = nlohmann::json::parse(read_text(report));
-        return json["window"]["frames"].get<int>() > 2;
-    }));
+    Child visual(kProgram,
+                 {"--role", "player", "--base-port", std::to_string(ports.base()), "--report", report},
+                 screen_->folder() / "log");
+    ASSERT_TRUE(wait_for_words(screen_->folder() / "log", "ready"));
+    wall_sleep(milliseconds{500});
+    visual.signal(SIGTERM);
+    ASSERT_EQ(visual.wait(kPatience), 0) << visual.last_lines();
+    const auto json = nlohmann::json::parse(read_text(report));
     EXPECT_EQ(json["window"]["end"], "asked");
+    EXPECT_GT(json["window"]["frames"], 2);
     EXPECT_EQ(json["window"]["hand_to_swap"]["count"], 0);  // no trial
 }
 

@@ -58,18 +58,13 @@ class ExperimenterModel {
     std::optional<Scene> scene() const {
         if (!link_.receiver().heard()) return std::nullopt;
         const Monitor& m = link_.monitor();
-        const double resisting_N = std::max(0.0, -m.force_total_N);
         Scene scene;
         scene.position_needle_m = m.position_needle_m;
         scene.position_surface_m = m.position_surface_m;
         scene.position_surface_rest_m = rest_m_;
-        scene.fingertip_N = resisting_N;
-        scene.thumb_N = std::max(0.0, m.force_total_N);
-        scene.bar_shown = m.modality == Modality::kVF;
-        scene.bar_N = resisting_N;
-        scene.cut_away = CutAway{m.position_needle_m, m.position_fixture_m, m.force_tissue_N,
-                                 m.force_fixture_N,   std::nullopt,         m.phase,
-                                 m.modality,          m.fixture_present};
+        scene.set_cut_away({m.position_needle_m, m.position_fixture_m, m.force_tissue_N, m.force_fixture_N,
+                            std::nullopt, m.phase, m.modality, m.fixture_present},
+                           m.force_total_N);
         return scene;
     }
     Modality chosen() const { return chosen_; }

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "tests/guarded_ports.hpp"
 #include "tests/refusal.hpp"
-#include "tests/unit/common/packet.hpp"
 
 namespace thimble {
 namespace {

@@ -12,6 +12,7 @@
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/security/lab_key_file.hpp"
+#include "tests/guarded_ports.hpp"
 #include "tests/unit/common/packet.hpp"
 #include "tests/unit/security/security_rig.hpp"
 
