@@ -164,11 +164,14 @@ const TrialRecord& ConditionRun::run_trial(const TrialConditions& trial, std::ui
 }
 
 void ConditionRun::look_around() {
+    // The order matters: a closed window is no dead program, and an interruption may follow from a stop.
+    const auto dead = nodes_.dead();
+    const bool told_to_end = interrupted();
     stop_.look();
-    if (interrupted()) return session_.abort(EndReason::kInterrupted);
+    if (told_to_end) return session_.abort(EndReason::kInterrupted);
     const bool cannot_write = !files_.fault().empty() || !files_.log_fault().empty();
     if (cannot_write) return session_.abort(EndReason::kDeviceFault, Role::kSession);
-    if (const auto dead = nodes_.dead()) session_.abort(EndReason::kPeerLost, kNodeRoles[*dead]);
+    if (dead) session_.abort(EndReason::kPeerLost, kNodeRoles[*dead]);
 }
 
 void ConditionRun::close_trial() {

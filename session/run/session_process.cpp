@@ -248,7 +248,8 @@ bool SessionProcess::end_by_node(SessionTime now) {
 bool SessionProcess::end_as_told(SessionTime now, const NodePeer& quiet) {
     for (const NodePeer& peer : peers_) {
         if (peer.misses_peer(trial_)) {
-            const bool silent = quiet.silent_for(now, kSuspicious);
+            // Of two peers: after a standstill of this program both have been heard anew, or neither.
+            const bool silent = peer.last_heard() - quiet.last_heard() > kSuspicious;
             end(now, EndReason::kPeerLost, silent ? quiet.role() : peer.role());
             return true;
         }

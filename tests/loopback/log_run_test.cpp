@@ -88,11 +88,14 @@ TEST(LogRun, AKilledNodesLogHasAllButTheLastMoments) {
     RealRun run(endless_with(kLogAll));
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const pid_t master = run.node("thimble-master");
+    const auto log = log_of(run, "thimble-master");
+    ASSERT_TRUE(wait_until(
+        [&] { return std::filesystem::exists(log) && std::filesystem::file_size(log) > 100'000; }));
     std::this_thread::sleep_for(std::chrono::microseconds{wall_now().time_since_epoch().count() % 60'000});
     const auto killed_ns = to_nanoseconds(wall_now());
     kill(master, SIGKILL);
     EXPECT_EQ(run.end(), 3) << run.words();
-    const LoggedFile file(log_of(run, "thimble-master"));
+    const LoggedFile file(log);
     EXPECT_FALSE(file.scan().finished);
     EXPECT_EQ(check_file(file).missing_sent, 0U);
     EXPECT_GT(file.scan().messages, 100U);

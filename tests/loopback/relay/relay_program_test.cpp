@@ -304,11 +304,8 @@ TEST_F(RelayProgram, IsControlledFromAnotherNetworkNamespace) {
 }
 
 TEST_F(RelayProgram, SaysThatNobodyListens) {
-    std::string address;
-    {
-        const UdpSocket gone = UdpSocket::listening(loopback());
-        address = to_string(gone.local());
-    }
+    const PortBlock nobodys;
+    const std::string address = "127.0.0.1:" + std::to_string(nobodys.base());
     NetemProgram netem({"--listen", "127.0.0.1:0", "--to", address});
     const Client client(netem.inlet());
     client.say("x");
