@@ -142,10 +142,7 @@ TEST_F(ExperimenterView, EveryKeyAsksTheSession) {
     ASSERT_TRUE(asked(OrderKind::kNetwork));
     EXPECT_EQ(session_->last(OrderKind::kNetwork)->network.view(), "leo");
     pass(0.1);  // until its delay shows
-    // Held as a finger would: ImGui asks at each frame whether an arrow is down.
-    ASSERT_TRUE(screen_->hand({"keydown", "Right"}));
-    pass(0.15);
-    ASSERT_TRUE(screen_->hand({"keyup", "Right"}));
+    ASSERT_TRUE(screen_->press("Right"));
     ASSERT_TRUE(asked(OrderKind::kDelay));
     EXPECT_TRUE(
         wait_until([&] { return std::abs(session_->last(OrderKind::kDelay)->value - 0.023) < 1e-9; }));

@@ -21,13 +21,6 @@ constexpr const char* kThimble = THIMBLE_BIN_DIR "/thimble";
 
 class PlayInAWindow : public OnAScreen {
   protected:
-    // As a finger would: ImGui asks at each frame whether an arrow is down.
-    bool hold(const std::string& key) const {
-        if (!screen_->hand({"keydown", key})) return false;
-        wall_sleep(std::chrono::milliseconds{150});
-        return screen_->hand({"keyup", key});
-    }
-
     // Keys and the scrub bar of a replay, watched from the experimenter's ports.
     void seek_in_a_replay(const std::filesystem::path& out) {
         Child replay(kThimble,
@@ -56,9 +49,9 @@ class PlayInAWindow : public OnAScreen {
             view.listen(wall_now());
             return view.monitor().paused;
         }));
-        ASSERT_TRUE(hold("End"));
+        ASSERT_TRUE(screen_->press("End"));
         EXPECT_TRUE(shows(at(length_s)));
-        ASSERT_TRUE(hold("Left"));
+        ASSERT_TRUE(screen_->press("Left"));
         EXPECT_TRUE(shows(at(length_s - 0.1)));
         ASSERT_TRUE(screen_->press("comma"));
         EXPECT_TRUE(shows(at(length_s - 0.1 - 1.0 / 60)));

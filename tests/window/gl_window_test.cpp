@@ -3,12 +3,14 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <cstdlib>
+#include <imgui.h>
 
 #include <gmock/gmock.h>
 
 #include "common/runtime/wall_clock.hpp"
 #include "tests/refusal.hpp"
 #include "tests/window/virtual_screen.hpp"
+#include "visual_node/window/gui_layer.hpp"
 #include "visual_node/window/image.hpp"
 
 namespace thimble {
@@ -73,6 +75,31 @@ TEST_F(GlWindowOnAScreen, TellsItsNewSize) {
     window.end_frame();
     window.begin_frame({0, 0, 255});
     EXPECT_EQ(window.read_pixels().at(999, 499), (Rgb{0, 0, 255}));
+}
+
+TEST_F(GlWindowOnAScreen, AKeyThatIsTappedBetweenTwoFramesIsPressedInTheNextOne) {
+    GlWindow window{WindowSettings{}};
+    GuiLayer gui(window);
+    const auto left_is_pressed = [&] {
+        window.begin_frame(kBlack);
+        gui.begin();
+        const bool pressed = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_LeftArrow), false);
+        gui.end();
+        window.end_frame();
+        return pressed;
+    };
+    EXPECT_FALSE(left_is_pressed());
+    ASSERT_TRUE(screen_->wait_for_window("Thimble"));
+    ASSERT_TRUE(screen_->hand({"mousemove", "100", "100", "key", "Left"}));
+    bool is_up = false;
+    for (int i = 0; i < 6000 && !is_up; ++i) {
+        for (const WindowEvent& event : window.wait_events(milliseconds{10}))
+            is_up |= event.kind == WindowEvent::Kind::kKey && !event.pressed;
+    }
+    ASSERT_TRUE(is_up);
+    EXPECT_TRUE(left_is_pressed());
+    EXPECT_FALSE(left_is_pressed());
+    EXPECT_FALSE(ImGui::IsKeyDown(ImGui::GetKeyIndex(ImGuiKey_LeftArrow)));
 }
 
 TEST_F(GlWindowOnAScreen, OutlivesItsScreen) {

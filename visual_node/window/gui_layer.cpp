@@ -1,5 +1,7 @@
 #include "visual_node/window/gui_layer.hpp"
 
+#include <GLFW/glfw3.h>
+#include <algorithm>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <cstring>
@@ -56,6 +58,13 @@ std::set<unsigned> characters_of(const std::string& text) {
     return characters;
 }
 
+// ImGui's own listener also calls that of the window.
+void hear(GLFWwindow* window, int key, int scancode, int action, int modifiers) {
+    ImGui_ImplGlfw_KeyCallback(window, key, scancode, action, modifiers);
+    auto* const layer = static_cast<GuiLayer*>(ImGui::GetIO().UserData);
+    if (action != GLFW_REPEAT) layer->hear_key(key, action == GLFW_PRESS);
+}
+
 }  // namespace
 
 GuiLayer::GuiLayer(GlWindow& window, std::string text) : window_(&window), text_(std::move(text)) {
@@ -63,6 +72,8 @@ GuiLayer::GuiLayer(GlWindow& window, std::string text) : window_(&window), text_
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;  // a session leaves no files behind that it does not name
     ImGui_ImplGlfw_InitForOpenGL(window.handle(), true);
+    ImGui::GetIO().UserData = this;
+    glfwSetKeyCallback(window.handle(), hear);
     ImGui_ImplOpenGL3_Init(epoxy_is_desktop_gl() ? "#version 330 core" : "#version 300 es");
     fit_to_scale();
 }
@@ -90,6 +101,19 @@ void GuiLayer::begin() {
     // A screen that has just gone has no size, and ImGui insists on one.
     if (window_->lost()) ImGui::GetIO().DisplaySize = {1, 1};
     ImGui::NewFrame();
+    for (const int key : up_after_frame_) ImGui::GetIO().KeysDown[key] = false;
+    went_down_.clear();
+    up_after_frame_.clear();
+}
+
+void GuiLayer::hear_key(int key, bool down) {
+    if (key < 0) return;  // one that GLFW does not know
+    if (down) {
+        went_down_.push_back(key);
+    } else if (std::find(went_down_.begin(), went_down_.end(), key) != went_down_.end()) {
+        ImGui::GetIO().KeysDown[key] = true;
+        up_after_frame_.push_back(key);
+    }
 }
 
 void GuiLayer::end() {

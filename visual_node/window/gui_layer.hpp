@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <boost/core/noncopyable.hpp>
 
@@ -28,10 +29,14 @@ class GuiLayer : boost::noncopyable {
     // Of pages, twice the size of ImGui's own text.
     ImFont* large_font() const { return large_; }
 
+    // A key went down or up. One that does both between two frames is seen as down by the next frame.
+    void hear_key(int key, bool down);
+
   private:
     void fit_to_scale();
 
     GlWindow* window_;
+    std::vector<int> went_down_, up_after_frame_;  // keys of GLFW, since the last frame
     std::string text_;
     ImFont* large_ = nullptr;
     double scale_ = 0;  // that fonts and style were made for
