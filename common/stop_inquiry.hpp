@@ -83,7 +83,8 @@ class StopInquiry {
 
 class StopRelease : boost::noncopyable {
   public:
-    // Asked for kAskTimes rounds; a stop that is heard in the last of them is still released kReleaseTimes times.
+    // Asked for kAskTimes rounds, and in later ones until a stop is named. A stop that is heard in the last of the kAskTimes is still
+    // released kReleaseTimes times.
     static constexpr int kAskTimes = 4, kRounds = kAskTimes + kReleaseTimes;
 
     // `instance`: random per start. `at`: as StopInquiry has it.
@@ -91,10 +92,10 @@ class StopRelease : boost::noncopyable {
         : out_(Role::kExperimenter, instance, {at[0], at[1], at[2], at[3], at[4], at[5]}),
           inquiry_(out_, at, instance) {}
 
-    // kRounds of them, every kStopRepeat.
+    // At least kRounds of them, every kStopRepeat.
     void round(SessionTime now) {
         inquiry_.hear(now);
-        if (rounds_++ < kAskTimes) inquiry_.ask(now);
+        if (rounds_++ < kAskTimes || stops_.empty()) inquiry_.ask(now);
         for (const LatchedStop& held : inquiry_.held()) {
             const bool known = std::any_of(stops_.begin(), stops_.end(), [&held](const StopOrder& other) {
                 return other.id == held.stop.id;

@@ -170,9 +170,11 @@ std::filesystem::path user_key_file() {
     return own_folder("XDG_STATE_HOME", ".local/state", kStateRemedy) / "user.key";
 }
 
+bool has_user_key() { return access(user_key_file().c_str(), F_OK) == 0; }
+
 LabKey own_user_key(const RandomBytes& random) {
     const std::filesystem::path path = user_key_file();
-    if (access(path.c_str(), F_OK) == 0) return read_key(path, kUser);
+    if (has_user_key()) return read_key(path, kUser);
     std::error_code folder;
     std::filesystem::create_directories(path.parent_path(), folder);
     const int error = folder ? folder.value() : make_key_file(path, random);

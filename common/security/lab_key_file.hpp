@@ -24,6 +24,8 @@ LabKey read_lab_key(const std::filesystem::path& path);
 
 // XDG_STATE_HOME/thimble/user.key, by default ~/.local/state/thimble/user.key. Throws Error (usage) without a home.
 std::filesystem::path user_key_file();
+// Without that file no program of this user has a session under the user key. Throws as user_key_file() does.
+bool has_user_key();
 // Reads that file, and makes it where there is none. Programs that start at once get one key. Throws Error: usage, if it cannot be
 // made or as read_lab_key() does; data, if it is no key.
 LabKey own_user_key(const RandomBytes& random);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"
+#include "common/security/lab_key_file.hpp"
 #include "session/records/trial_table.hpp"
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
@@ -98,6 +99,7 @@ TEST_F(StepThrough, HearsAStopFromAnotherProgram) {
     EXPECT_EQ(only_row().reason, EndReason::kEmergencyStop);
     EXPECT_EQ(stop.wait(kPatience), 3) << read_text(folder_ / "stop");  // any user could answer so
     EXPECT_THAT(read_text(folder_ / "stop"), HasSubstr("only without a key (a lock-step run?), by session"));
+    EXPECT_FALSE(has_user_key()) << "a stop waits for no disk";
 }
 
 }  // namespace
