@@ -16,6 +16,7 @@
 #include "common/security/secret.hpp"
 
 namespace thimble {
+
 bool wait_until(const std::function<bool()>& condition, Duration limit) {
     const SessionTime deadline = wall_now() + limit;
     while (!condition()) {

@@ -66,7 +66,7 @@ class Conditions {
         for (std::size_t i = 0; i < count; ++i) {
             const NetworkSettings network = condition_network(a, static_cast<int>(i));
             const bool user_key = network.security.mode == SecurityMode::kUserKey;
-            // Whoever makes a key waits for the disk, and no session has a key that was not there.
+            // To make a key waits for the disk. A key made now is no session's key.
             if (!user_key || has_user_key()) add(network, instance, false);
             // A run in lock-step has no user key. A program with one refuses a stop without a seal.
             if (user_key) add(without_user_key(network), instance, true);
@@ -76,6 +76,14 @@ class Conditions {
         for (int i = 0; i < count; ++i) {
             if (i > 0) wall_sleep(kStopRepeat);
             for (const OpenBus<Talk>& bus : buses_) bus.talk->round(wall_now());
+        }
+    }
+    // More of them for a busy machine, until `done`.
+    template <class Done>
+    void rounds_until(const Done& done) {
+        for (int more = 0; !done() && more < kMoreRounds; ++more) {
+            wall_sleep(kStopRepeat);
+            rounds(1);
         }
     }
     const std::vector<OpenBus<Talk>>& buses() const { return buses_; }
@@ -171,10 +179,7 @@ int stop(const StopArguments& a) {
     Conditions<StopCall> conditions(a);
     for (const OpenBus<StopCall>& bus : conditions.buses()) bus.talk->stop(a.reason);
     conditions.rounds(kReleaseTimes + 1);
-    for (int more = 0; holders(conditions, false).empty() && more < kMoreRounds; ++more) {
-        wall_sleep(kStopRepeat);
-        conditions.rounds(1);
-    }
+    conditions.rounds_until([&] { return !holders(conditions, false).empty(); });
     const std::string by = holders(conditions, false), open = holders(conditions, true);
     if (by.empty()) throw Error(ExitCode::kNetwork, not_confirmed(a, open));
     fmt::print("emergency stop ({}): forces are off and no trial can begin; confirmed by {}{}{}; {}{}\n",
@@ -192,10 +197,7 @@ bool names_a_stop(const Conditions<StopRelease>& conditions) {
 void ask_and_release(Conditions<StopRelease>& conditions) {
     conditions.rounds(StopRelease::kRounds);
     if (names_a_stop(conditions)) return;
-    for (int more = 0; !names_a_stop(conditions) && more < kMoreRounds; ++more) {
-        wall_sleep(kStopRepeat);
-        conditions.rounds(1);
-    }
+    conditions.rounds_until([&] { return names_a_stop(conditions); });
     if (names_a_stop(conditions)) conditions.rounds(kReleaseTimes);
 }
 

@@ -1,6 +1,5 @@
 #include "visual_node/window/gui_layer.hpp"
 
-#include <GLFW/glfw3.h>
 #include <algorithm>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -11,6 +10,10 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+// clang-format off
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+// clang-format on
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -313,7 +313,7 @@ class Tcp : public testing::Test {
         port_ = ntohs(here.sin_port);
     }
     void TearDown() override { close(listening_); }
-    // What a client says once the other side has closed, with these bytes unread.
+    // The client's words after the other side has closed with these bytes unread.
     std::string why_closed(std::string_view unread) const {
         TcpClient client({kHere, port_}, "");
         client.connect();
