@@ -324,7 +324,7 @@ class Tcp : public testing::Test {
         std::array<char, 8> room{};
         for (int i = 0; i < 5000 && client.state() == ByteStream::State::kOpen; ++i) {
             EXPECT_EQ(client.receive(room), 0U);
-            wall_sleep(milliseconds{1});
+            wall_sleep(std::chrono::milliseconds{1});
         }
         return std::string(client.why());
     }
