@@ -13,27 +13,8 @@
 
 namespace thimble {
 
-inline constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds{100};
 // Silence after which a running trial is given up (well under the second that users are promised).
 inline constexpr Duration kPeerTimeout = std::chrono::milliseconds{500};
-
-// The times of a process's ticks. A process that stood still (SIGSTOP, or a machine without time for it) read no message meanwhile, and
-// the others may have stood still as well. So of that time a heartbeat's period counts as silence, and each is heard again before it is
-// given up.
-class TickTimes {
-  public:
-    void tick(SessionTime now) {
-        since_last_ = last_ == kNever ? Duration{} : now - last_;
-        last_ = now;
-    }
-    Duration since_last() const { return since_last_; }
-    // The part of that time in which no silence counts against a peer (InboundFlow::did_not_listen).
-    Duration stood_still() const { return std::max(since_last_ - kHeartbeatPeriod, Duration{}); }
-
-  private:
-    SessionTime last_ = kNever;
-    Duration since_last_{};
-};
 
 // Until an input has crossed the network for the first time, its silence means nothing.
 inline Duration first_answer_within(const SessionControl& control) {

@@ -2,12 +2,34 @@
 // session/virtual/virtual_loop.hpp) drive these same objects.
 #pragma once
 
+#include <algorithm>
+
 #include <boost/core/noncopyable.hpp>
 
 #include "common/messages.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
+
+inline constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds{100};
+
+// The times of a process's ticks. A process that stood still (SIGSTOP, or a machine without time for it) read no message
+// meanwhile, and the others may have stood still as well. So of that time a heartbeat's period counts as silence, and each is
+// heard again before it is given up.
+class TickTimes {
+  public:
+    void tick(SessionTime now) {
+        since_last_ = last_ == kNever ? Duration{} : now - last_;
+        last_ = now;
+    }
+    Duration since_last() const { return since_last_; }
+    // The part of that time in which no silence counts against a peer (InboundFlow::did_not_listen).
+    Duration stood_still() const { return std::max(since_last_ - kHeartbeatPeriod, Duration{}); }
+
+  private:
+    SessionTime last_ = kNever;
+    Duration since_last_{};
+};
 
 class Process : boost::noncopyable {
   public:

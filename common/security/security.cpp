@@ -59,8 +59,12 @@ Channel* Security::stop_end(Channel& wire, std::uint16_t port, StopEnd end) {
 }
 
 void Security::tick(SessionTime now) {
+    ticks_.tick(now);
     if (ring_) ring_->tick(now);
-    for (const auto& one : pairs_) one->tick(now);
+    for (const auto& one : pairs_) {
+        one->did_not_listen(ticks_.stood_still());
+        one->tick(now);
+    }
     if (server_) server_->tick(now);
 }
 

@@ -45,6 +45,7 @@ class Security {
     RandomBytes random_;
     SecurityTimes times_;
     std::optional<Role> self_;
+    TickTimes ticks_;
     FlowEnds ends_;
     std::vector<std::unique_ptr<SecurePair>> pairs_;
     std::vector<std::unique_ptr<SecureInlet>> inlets_;

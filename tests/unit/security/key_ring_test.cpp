@@ -208,8 +208,7 @@ TEST(FlowKeys, ANewSessionIsObeyedAndNothingFromBefore) {
     const auto commands = rig.passed.a.said;
     const auto orders = rig.control[1].a.said;
     rig.start_session();
-    rig.turn(milliseconds{400});
-    rig.turn(milliseconds{50});
+    for (int i = 0; i < 5; ++i) rig.turn(milliseconds{100});
     ASSERT_TRUE(rig.server->complete());
     for (const Datagram& datagram : commands) rig.passed.b.deliver(datagram);
     for (const Datagram& datagram : orders) rig.control[1].b.deliver(datagram);
@@ -287,6 +286,19 @@ TEST(FlowKeys, RenewalGoesOnWhenANodeIsGone) {
     rig.turn();
     for (int i = 0; i < 10; ++i) rig.turn(milliseconds{50});
     EXPECT_EQ(rig.across("fresh"), "fresh");
+}
+
+// Its mail waited. Only a peer that stays silent afterwards may have been started anew.
+TEST(FlowKeys, ANodeThatStoodStillKeepsItsKeys) {
+    Rig rig;
+    rig.turn();
+    rig.show_life();
+    rig.turn(std::chrono::seconds{1});
+    EXPECT_EQ(rig.master->security.counters().handshakes, 1U);
+    for (int i = 0; i < 3; ++i) rig.turn(milliseconds{100});
+    EXPECT_EQ(rig.master->security.counters().handshakes, 1U);
+    rig.turn(milliseconds{100});
+    EXPECT_EQ(rig.master->security.counters().handshakes, 2U);
 }
 
 TEST(FlowKeys, WithoutItsKeysANodeIsNotHeard) {
