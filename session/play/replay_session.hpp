@@ -73,8 +73,9 @@ inline void play_recorded(const ReplayPlayOptions& options) {
         loop.step(process, now + kGlance);
         if (options.stop != nullptr && *options.stop) break;
         if (now - begin >= options.longest) break;
+        const bool ended = window->poll().has_value();
         if (options.starter->window_closed()) return;
-        if (window->poll()) throw Error(window->verdict(), window->exit_message());
+        if (ended) throw Error(window->verdict(), window->exit_message());
         if (replay.shows() || now - begin < kWindowWithin) continue;
         throw Error(ExitCode::kNetwork, "thimble-visual does not answer on ports from {} within {} s",
                     options.network.base_port, to_seconds(kWindowWithin));

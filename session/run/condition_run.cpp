@@ -86,9 +86,14 @@ void ConditionRun::turn(SessionTime until) {
     files_.flush();
 }
 
+void ConditionRun::check() {
+    // A closed window is no dead program.
+    if (nodes_.dead() && !interrupted()) nodes_.throw_if_dead();
+}
+
 void ConditionRun::turn_before_trials() {
     turn(wall_now() + kPoll);
-    nodes_.throw_if_dead();
+    check();
     if (interrupted()) throw Error(ExitCode::kRunFailed, "interrupted before the first trial");
 }
 

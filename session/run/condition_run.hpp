@@ -31,7 +31,7 @@ class ConditionRun : boost::noncopyable {
     // - network, with the words of the node that failed.
     void open();
     // Throws Error (network), with its words, if a node has ended by itself.
-    void check() { nodes_.throw_if_dead(); }
+    void check();
     // Runs one trial to its end, which may be that a peer was lost or a stop was asked for. `number` tells it
     // apart from the last one on the wire (session_process.hpp).
     const TrialRecord& run_trial(const TrialConditions& trial, std::uint32_t number,

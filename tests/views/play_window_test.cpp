@@ -92,7 +92,6 @@ TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAl
     ASSERT_TRUE(screen_->type("4"));
     const auto second = out / "trajectories" / "trial02_VF_0ms.csv";
     EXPECT_TRUE(wait_until([&] { return std::filesystem::exists(second); })) << read_text(folder_ / "words");
-    wall_sleep(std::chrono::seconds{1});
     EXPECT_TRUE(screen_->press_until("F10", [&] { return play.poll().has_value(); }));
     EXPECT_EQ(play.wait(kPatience), 0) << read_text(folder_ / "words");
 
@@ -157,8 +156,7 @@ TEST_F(PlayInAWindow, AScreenThatGoesAwayEndsThePlay) {
                folder_ / "words");
     ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(out / "trajectories"); }))
         << read_text(folder_ / "words");
-    wall_sleep(std::chrono::seconds{1});
-    screen_.reset();
+    screen_.reset();  // the panel may not have its keys yet
     EXPECT_EQ(play.wait(kPatience), 0) << read_text(folder_ / "words");
 }
 

@@ -73,14 +73,16 @@ class WindowVisual final : public NodeInstance {
     void describe(nlohmann::ordered_json& report) const override;
     bool has_foreground() const override { return true; }
     void foreground(const std::function<bool()>& stopped) override {
-        if (loop_.run(stopped) != WindowEnd::kScreenLost || !subject_points_) return;
+        if (loop_.run(stopped) == WindowEnd::kAsked || (!player_ && !subject_points_)) return;
         // Ends the node: without a window a subject could only wait for the timeout. The session then knows.
         static_cast<void>(std::raise(SIGTERM));
+        if (player_) return;
         throw Error(ExitCode::kRunFailed,
                     "the subject's window has lost its screen, so the mouse is lost too");
     }
 
   private:
+    bool player_;          // whose window ends the session
     bool subject_points_;  // nothing that a subject does closes the window
     GlWindow window_;      // before all else: without a screen nothing else is worth trying
     WindowDisplay display_;
@@ -96,7 +98,8 @@ class WindowVisual final : public NodeInstance {
 
 WindowVisual::WindowVisual(const VisualSettings& settings, VisualWindowOptions options, Sockets& sockets,
                            std::uint64_t instance)
-    : subject_points_(settings.pointer && !options.player),
+    : player_(options.player),
+      subject_points_(settings.pointer && !options.player),
       window_(window_settings(settings, options.player)),
       display_(settings.pipeline),
       hand_(settings.pointer_m_per_count),

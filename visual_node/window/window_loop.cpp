@@ -48,18 +48,19 @@ WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
     }
     if (end_ == WindowEnd::kNone) end_ = WindowEnd::kAsked;
     if (end_ != WindowEnd::kScreenLost && !screenshot_.empty()) save_screenshot(picture());
-    if (end_ == WindowEnd::kScreenLost) {
-        spdlog::warn(parts_.stays_open
-                         ? "the window has lost its screen"
-                         : "the window has lost its screen and shows nothing more; the program continues");
-    } else if (end_ == WindowEnd::kClosed) {
-        spdlog::warn("the window was closed and shows nothing more; the program continues");
-    }
+    if (end_ != WindowEnd::kAsked) say_end();
     if (end_ != WindowEnd::kAsked && parts_.overlay != nullptr) parts_.overlay->closing(wall_now());
     if (parts_.hand != nullptr) parts_.hand->let_go();
     if (parts_.vibration != nullptr) parts_.vibration->stop();
     if (parts_.display != nullptr) parts_.display->close();
     return end_;
+}
+
+// A program that ends with its window says the rest itself.
+void WindowLoop::say_end() const {
+    const bool ends = parts_.stays_open || parts_.overlay != nullptr;
+    spdlog::warn("the window {}{}", end_ == WindowEnd::kClosed ? "was closed" : "has lost its screen",
+                 ends ? "" : " and shows nothing more; the program continues");
 }
 
 bool WindowLoop::turn() {

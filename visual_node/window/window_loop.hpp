@@ -67,6 +67,7 @@ class WindowLoop {
     WindowEnd end() const { return end_; }
 
   private:
+    void say_end() const;
     void take_mail(SessionTime now);
     void handle(const WindowEvent& event);
     void handle_key(const WindowEvent& event);
