@@ -54,7 +54,7 @@ PacketRelay::PacketRelay(const PacketRelaySettings& settings, PacketSink* log, i
 
 PacketRelay::~PacketRelay() = default;
 
-void PacketRelay::step(SessionTime latest) {
+bool PacketRelay::step(SessionTime latest) {
     std::array<epoll_event, 8> room{};
     const SessionTime begin = next_due() - send_lead();
     const bool waited = begin > wall_now();
@@ -69,6 +69,7 @@ void PacketRelay::step(SessionTime latest) {
         if (event.data.u64 != kWakeTag) receive(event.data.u64);
     }
     if (!events.empty()) send_due(wall_now());
+    return !events.empty();
 }
 
 // The two links take turns: a flood in one direction cannot hold up the other.

@@ -72,8 +72,8 @@ class PacketRelay final : public SteeredRelay {
     PacketRelay(const PacketRelaySettings& settings, PacketSink* log, int wake);
     ~PacketRelay() override;
 
-    // One wait, not beyond `latest`, and what follows from it.
-    void step(SessionTime latest);
+    // One wait, not beyond `latest`, and what follows from it. False: no packet waited to be read.
+    bool step(SessionTime latest);
     void change(SessionTime now, const LinkPair& links) override;
     RelayState state(SessionTime now) const override;
     SessionTime start() const { return start_; }

@@ -20,7 +20,7 @@ namespace thimble {
 namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds{100};  // at programs, without a signal
-constexpr Duration kQuiet = std::chrono::milliseconds{20};  // an empty link for so long has nothing to come
+constexpr Duration kQuiet = std::chrono::milliseconds{20};  // for so long nothing waited: nothing is to come
 constexpr Duration kLinger = std::chrono::seconds{2};  // beyond the delays, for what ended programs have sent
 
 std::vector<std::unique_ptr<ProgramRoom>> make_rooms(const std::vector<RoomSettings>& settings) {
@@ -45,15 +45,15 @@ class Linger {
   public:
     explicit Linger(const LinkPair& links)
         : longest_(kLinger + nearly_longest_delay(links.up) + nearly_longest_delay(links.down)) {}
-    bool over(SessionTime now, bool link_is_empty) {
+    bool over(SessionTime now, bool quiet) {
         if (end_ == kNever) end_ = now + longest_;
-        if (!link_is_empty || empty_since_ == kNever) empty_since_ = link_is_empty ? now : kNever;
-        return now >= end_ || (link_is_empty && now - empty_since_ >= kQuiet);
+        if (!quiet || quiet_since_ == kNever) quiet_since_ = quiet ? now : kNever;
+        return now >= end_ || (quiet && now - quiet_since_ >= kQuiet);
     }
 
   private:
     Duration longest_;
-    SessionTime end_ = kNever, empty_since_ = kNever;
+    SessionTime end_ = kNever, quiet_since_ = kNever;
 };
 
 // slirp4netns has read its frames; it is ended with those that it has not.
@@ -68,12 +68,13 @@ void relay_until_ended(PacketRelay& relay, Programs& programs, SignalLine& signa
                        const std::vector<PacketPort>& outer, Linger linger) {
     for (;;) {
         SessionTime now = wall_now();
-        relay.step(now + (programs.all_ended() ? kQuiet / 4 : kLook));
+        const bool read = relay.step(now + (programs.all_ended() ? kQuiet / 4 : kLook));
         if (control != nullptr) control->serve(relay);
         now = wall_now();
         while (const auto signal = signals.next()) programs.obey(*signal, now);
         programs.look(now);
-        if (programs.all_ended() && linger.over(now, relay.empty() && all_read(outer))) return;
+        const bool quiet = !read && relay.empty() && all_read(outer);
+        if (programs.all_ended() && linger.over(now, quiet)) return;
     }
 }
 

@@ -89,6 +89,15 @@ TEST_F(PacketRelayTest, PacketsGoByTheirAddressAndComeBack) {
     EXPECT_TRUE(under_test.empty());
 }
 
+TEST_F(PacketRelayTest, AStepSaysWhetherAPacketWaited) {
+    PacketRelay under_test = relay();
+    const auto waited = [&] { return under_test.step(wall_now() + std::chrono::milliseconds{1}); };
+    EXPECT_FALSE(waited());
+    program.say(ip4_packet(kUdp, "hello"));
+    EXPECT_TRUE(waited());
+    EXPECT_FALSE(waited());
+}
+
 TEST_F(PacketRelayTest, GarbageAndTheKernelsOwnPacketsAreCountedAndHaveNoNumber) {
     PacketRelay under_test = relay();
     program.say(Octets(100, 0xFF));
