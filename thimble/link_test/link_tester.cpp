@@ -16,8 +16,11 @@ using std::chrono::milliseconds;
 
 constexpr int kKnocks = 10;
 constexpr Duration kBetweenKnocks = milliseconds{100};
-constexpr int kTries = 3;  // of a size
+constexpr int kTries = 3;                                    // of a size
+constexpr Duration kMostPatience = std::chrono::seconds{2};  // with a side that answers nothing
 constexpr std::size_t kMostExchanges = 100'000;
+
+enum class Passage : std::uint8_t { kPasses, kLost, kRefusedHere, kNoAnswer };
 
 class LinkTester {
   public:
@@ -31,7 +34,7 @@ class LinkTester {
     void listen(SessionTime latest);
     void probe_all_ports();
     void find_mtu();
-    bool passes(PortProbe& probe, std::size_t bytes, bool& refused_here);
+    Passage passage(PortProbe& probe, std::size_t bytes);
     void load();
     void count();
     Duration patience() const;
@@ -97,7 +100,7 @@ void LinkTester::probe_all_ports() {
 Duration LinkTester::patience() const {
     Duration longest{};
     for (const PortProbe& probe : probes_) longest = std::max(longest, probe.median_round_trip());
-    return std::min<Duration>(4 * longest + milliseconds{30}, std::chrono::seconds{2});
+    return std::min<Duration>(4 * longest + milliseconds{30}, kMostPatience);
 }
 
 // By halving: what passes at one size passes at every smaller one.
@@ -109,27 +112,34 @@ void LinkTester::find_mtu() {
     bool refused_at_bad = false;
     for (std::size_t bytes = probe->traffic().bytes; bad - good > 1 && going_on();
          bytes = good + (bad - good) / 2) {
-        bool refused_here = false;
-        if (passes(*probe, bytes, refused_here)) {
+        const Passage found = passage(*probe, bytes);
+        if (found == Passage::kNoAnswer) break;  // the loss will say so
+        if (found == Passage::kPasses) {
             good = bytes;
         } else {
             bad = bytes;
-            refused_at_bad = refused_here;
+            refused_at_bad = found == Passage::kRefusedHere;
             if (good == 0) break;  // not even a session's own
         }
     }
     mtu_ = {good, refused_at_bad};
 }
 
-bool LinkTester::passes(PortProbe& probe, std::size_t bytes, bool& refused_here) {
-    for (int i = 0; i < kTries && going_on(); ++i) {
-        refused_here = probe.query(wall_now(), bytes) == EMSGSIZE;
-        if (refused_here) return false;
+// By order, because a busy machine answers late: a datagram is lost where only the one behind it is answered.
+Passage LinkTester::passage(PortProbe& probe, std::size_t bytes) {
+    const SessionTime given_up = wall_now() + kMostPatience + patience();
+    for (int lost = 0; lost < kTries;) {
+        if (!going_on() || wall_now() > given_up) return Passage::kNoAnswer;
+        if (probe.query(wall_now(), bytes) == EMSGSIZE) return Passage::kRefusedHere;
+        probe.follow(wall_now());
         const SessionTime until = wall_now() + patience();
-        while (!probe.query_answered() && wall_now() < until) listen(until);
-        if (probe.query_answered()) return true;
+        do {
+            listen(until);
+        } while (!probe.query_answered() && wall_now() < until);
+        if (probe.query_answered()) return Passage::kPasses;
+        if (probe.follower_answered()) ++lost;
     }
-    return false;
+    return Passage::kLost;
 }
 
 void LinkTester::load() {

@@ -111,9 +111,16 @@ void PortProbe::say_hello(SessionTime now) {
     take_errors();  // which may know more
 }
 
-int PortProbe::query(SessionTime now, std::size_t bytes) {
-    query_bytes_ = bytes;
-    return send(ProbeKind::kQuery, now, ++query_, bytes);
+int PortProbe::query(SessionTime now, std::size_t bytes) { return ask(query_, now, bytes); }
+
+void PortProbe::follow(SessionTime now) {
+    // A call may tell of the other's error instead of sending.
+    if (ask(follower_, now, traffic_.bytes) != 0) ask(follower_, now, traffic_.bytes);
+}
+
+int PortProbe::ask(Query& query, SessionTime now, std::size_t bytes) {
+    query = {++queries_, bytes};
+    return send(ProbeKind::kQuery, now, query.sequence, bytes);
 }
 
 void PortProbe::start(SessionTime now) {
@@ -167,8 +174,9 @@ void PortProbe::take(const ProbePacket& packet, std::size_t bytes, SessionTime a
     }
     if (packet.nonce != nonce_) return;
     if (packet.kind == ProbeKind::kEcho) return take_echo(packet, arrived, exchanges);
-    if (packet.kind != ProbeKind::kCounts || packet.sequence != query_ || bytes != query_bytes_) return;
-    answered_query_ = query_;
+    Query& answered = follower_.is(packet, bytes) ? follower_ : query_;
+    if (packet.kind != ProbeKind::kCounts || !answered.is(packet, bytes)) return;
+    answered.answered = true;
     take_counts(packet);
     counted_ = counting_;
 }

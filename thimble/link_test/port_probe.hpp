@@ -38,7 +38,10 @@ class PortProbe {
     // Asks how much has come, with a datagram of `bytes`. 0 or errno.
     int query(SessionTime now, std::size_t bytes);
     // The newest query has been answered, by a datagram of its size.
-    bool query_answered() const { return answered_query_ == query_; }
+    bool query_answered() const { return query_.answered; }
+    // A query of a session's size behind the newest one. Where its answer alone comes, the other has been lost.
+    void follow(SessionTime now);
+    bool follower_answered() const { return follower_.answered; }
 
     void start(SessionTime now);
     SessionTime next_due() const { return next_due_; }
@@ -51,6 +54,14 @@ class PortProbe {
     PortFigures figures() const;
 
   private:
+    struct Query {
+        std::uint32_t sequence = 0;
+        std::size_t bytes = 0;
+        bool answered = false;
+        bool is(const ProbePacket& packet, std::size_t size) const {
+            return packet.sequence == sequence && size == bytes;
+        }
+    };
     struct Received {
         Bytes bytes;  // valid until the next call
         SessionTime arrived;
@@ -60,6 +71,7 @@ class PortProbe {
     void take_errors();
     // 0 or errno.
     int send(ProbeKind kind, SessionTime now, std::uint32_t sequence, std::size_t bytes);
+    int ask(Query& query, SessionTime now, std::size_t bytes);
     void take(const ProbePacket& packet, std::size_t bytes, SessionTime arrived,
               std::vector<ClockExchange>& exchanges);
     void take_echo(const ProbePacket& echo, SessionTime arrived, std::vector<ClockExchange>& exchanges);
@@ -73,9 +85,8 @@ class PortProbe {
     PortEvidence evidence_;
     int complaints_ = 0;
     std::vector<std::uint8_t> room_;
-    std::uint32_t query_ = 0;
-    std::optional<std::uint32_t> answered_query_;
-    std::size_t query_bytes_ = 0;
+    std::uint32_t queries_ = 0;
+    Query query_, follower_;
     Duration period_{};
     SessionTime started_{}, ended_{}, next_due_ = kNever, last_echo_{};
     PortFigures figures_;
