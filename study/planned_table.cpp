@@ -42,6 +42,14 @@ std::string used_files_text(const std::filesystem::path& session) {
 
 }  // namespace
 
+void require_plan(const std::filesystem::path& plan_file, const std::string& what, const std::string& plan) {
+    if (read_text_file(plan_file) == plan) return;
+    throw Error(ExitCode::kUsage,
+                "{}: holds a {} with other settings: repeat these settings, replace it with --overwrite, or "
+                "name another folder with --out",
+                plan_file.parent_path().string(), what);
+}
+
 void open_plan(const std::filesystem::path& table, const std::filesystem::path& plan_file,
                const std::string& what, const std::string& plan, IfExists if_exists) {
     const std::string folder = table.parent_path().string();
@@ -53,13 +61,7 @@ void open_plan(const std::filesystem::path& table, const std::filesystem::path& 
                     "another folder with --out",
                     folder, what);
     if (begun) CsvFile(table, IfExists::kContinue);  // an Error if another program writes it
-    if (begun && if_exists == IfExists::kContinue) {
-        if (read_text_file(plan_file) == plan) return;
-        throw Error(ExitCode::kUsage,
-                    "{}: holds a {} with other settings: repeat these settings, replace it with "
-                    "--overwrite, or name another folder with --out",
-                    folder, what);
-    }
+    if (begun && if_exists == IfExists::kContinue) return require_plan(plan_file, what, plan);
     remove_file(table);  // a program that is killed leaves no table beside the plan of another
     write_text_file(plan_file, plan);
     CsvFile(table, if_exists);  // empty, or an Error

@@ -19,6 +19,7 @@
 #include "session/records/trajectory_file.hpp"
 #include "session/settings/system_settings.hpp"
 #include "session/virtual/virtual_session.hpp"
+#include "study/planned_table.hpp"
 #include "study/study_folder.hpp"
 #include "study/with_compensator.hpp"
 
@@ -69,6 +70,14 @@ class Study {
         remove_earlier_results(options_.out);
     }
 
+    // A study goes on with its own session alone: the tables say little about it.
+    void keep_plan(bool begins) const {
+        const auto file = options_.out / "trials.txt";
+        const std::string plan = session_text(settings_);
+        if (!begins) return require_plan(file, "study", plan);
+        write_text_file(file, plan);
+    }
+
     void write_claims() {
         if (!options_.paper_design) return;
         result_.claims = judge_claims(result_.rows, no_lag_);
@@ -96,6 +105,7 @@ class Study {
                    const std::string& name, std::vector<TrialRow>& rows, const TakeCurve& take_curve) {
         name_compensators(planned, settings);
         StudyTables tables(options_.out, name, options_.if_exists, planned, take_curve, options_.curves);
+        if (name == "trials") keep_plan(tables.rows().empty());
         check_trajectories(tables.rows(), name);
         rows.insert(rows.end(), tables.rows().begin(), tables.rows().end());
         std::size_t done = tables.rows().size();

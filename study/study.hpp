@@ -53,8 +53,8 @@ struct StudyResult {
     double simulated_s = 0, wall_s = 0;  // of the trials alone, without report
 };
 
-// Writes below options.out: trials.csv (a row is on the disk as soon as its trial is in), control.csv, no_lag.csv, hf_NAME.csv and
-// the curves of each. After the trials it writes subjects.csv, findings.json, compensators.json, claims.json (the paper's design),
+// Writes below options.out: trials.csv (a row is on the disk as soon as its trial is in), trials.txt (the session), control.csv,
+// no_lag.csv, hf_NAME.csv and the curves of each. After the trials it writes subjects.csv, findings.json, compensators.json, claims.json (the paper's design),
 // report.html, summary.json and figures/.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 

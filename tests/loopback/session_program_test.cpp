@@ -88,8 +88,11 @@ TEST_F(SessionOfAUser, AStudyThatWasInterruptedGoesOn) {
     fs::resize_file(table, cut);
     study(text, "whole", {"--resume"});
     EXPECT_EQ(read_text(table), whole);
-    const Outcome other = use("study", std::string(kHome) + kSmall, "whole", {"--resume"});
-    EXPECT_EQ(other.code, 2) << other.words;
+    for (const std::string& other : {std::string(kHome) + kSmall, text + "[trial]\ncontact_hold_s = 3\n"}) {
+        const Outcome refused = use("study", other, "whole", {"--resume"});
+        EXPECT_EQ(refused.code, 2) << refused.words;
+        EXPECT_THAT(refused.words, HasSubstr("other settings"));
+    }
     EXPECT_EQ(read_text(table), whole);
 }
 
