@@ -162,6 +162,8 @@ TEST(ParticipantProgram, TheExperimentersCommandsByPipe) {
     EXPECT_EQ(run_thimble(exclude).code, 0);
     EXPECT_EQ(run_thimble(exclude).code, 2);  // it is already
     const Outcome analysed = run_thimble({"analyse", data});
+    for (const char* file : {"participants.json", "dataset_description.json"})
+        EXPECT_EQ(run_thimble({"analyse", data, "--out", data + '/' + file}).code, 2) << file;
     EXPECT_EQ(analysed.code, 0) << analysed.words;
     EXPECT_THAT(analysed.words, HasSubstr("1 of 3 records of 1 participant"));
     EXPECT_THAT(analysed.words, HasSubstr("sub-07 trial 1 (record 1): phone rang"));

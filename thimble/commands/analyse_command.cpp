@@ -79,11 +79,12 @@ Analysis analyse(const std::filesystem::path& given) {
     return analysis;
 }
 
-// Other results of the run or the study that end in .json, too.
+// Other files of the run, the study or the dataset that end in .json, too.
 void refuse_results(const std::filesystem::path& given, const std::filesystem::path& file) {
     std::error_code unknown;
-    for (const auto& result : {given, folder_of(given) / "summary.json", folder_of(given) / "claims.json",
-                               folder_of(given) / "compensators.json"}) {
+    for (const char* name : {"", "summary.json", "claims.json", "compensators.json", "participants.json",
+                             "dataset_description.json", "task-needle_beh.json"}) {
+        const auto result = *name == '\0' ? given : folder_of(given) / name;
         if (std::filesystem::equivalent(result, file, unknown))
             throw Error(ExitCode::kUsage, "--out {}: is a result already: name another file, or a folder",
                         file.string());
