@@ -1,6 +1,7 @@
 // One condition of a real-time run: its plan, its events, its result.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -46,7 +47,9 @@ struct ConditionPlan {
     MakeObserver make_observer{};
     RuntimeSettings runtime{};
     bool strict_rt = false;
-    Duration answer_limit = std::chrono::seconds{60};  // in lock-step: of a node, and of a datagram
+    Duration answer_limit = std::chrono::seconds{60};  // of a node in lock-step
+    // A datagram's sender has answered before anybody waits for it: no debugger holds it up.
+    Duration datagram_limit() const { return std::min<Duration>(answer_limit, std::chrono::seconds{60}); }
     // The messages that session and nodes log, in NAME_<delay>ms.mcap in `out`.
     LogSettings log{LoggedMessages::kNone, {}, {}};
     std::filesystem::path session_file{};  // kept with it

@@ -68,7 +68,7 @@ std::unique_ptr<MessageLog> log_of(const ConditionPlan& plan) {
 
 Sockets counted_sockets(const ConditionPlan& plan, MessageLog* log) {
     Sockets sockets(without_user_key(plan.network));
-    sockets.count_datagrams(plan.answer_limit);
+    sockets.count_datagrams(plan.datagram_limit());
     if (log != nullptr) sockets.record_to(*log, plan.log.messages == LoggedMessages::kAll);
     return sockets;
 }
@@ -140,7 +140,7 @@ class LockStepSession final : public SteppedSession {
         mail_.wake(Role::kSession, own_bit_);
         for (const Role role : kTickOrder)
             granted_.push_back(std::make_unique<GrantedProcess>(role, nodes_.of(index_of(role)), mail_));
-        for (const auto& node : granted_) node->begin(nodes_.plan().answer_limit);
+        for (const auto& node : granted_) node->begin(nodes_.plan().datagram_limit());
         for (const auto& node : granted_) {
             node->await_ready();
             if (look_for_lost()) throw Error(failure(), lost_->words);

@@ -138,8 +138,9 @@ void add_clock_options(CLI::App& run, RunArguments& a) {
         ->check(CLI::IsMember(std::vector<std::string>(kRunClockNames.begin(), kRunClockNames.end())))
         ->default_val("wall");
     a.answer_limit_option =
-        run.add_option("--answer-limit-s", a.answer_limit_s,
-                       "with lock-step: longest wait for a program or a datagram, s (default 60)")
+        run.add_option(
+               "--answer-limit-s", a.answer_limit_s,
+               "with lock-step: longest wait for a program (default 60) and for a datagram (at most 60), s")
             ->check(CLI::Range(0.1, 1e6));
     run.add_flag("--step", a.step,
                  "with lock-step: pause before each event, show which program is next, and ask how far to go "
