@@ -51,6 +51,23 @@ Duration longest_mean(const LinkSettings& link) {
     return mean;
 }
 
+// From the first position on, each row until the next; the last one until the trace begins again.
+double mean_of_ns(const PacketTrace& trace) {
+    const std::vector<TraceRow>& rows = trace.rows();
+    const TraceLayout& layout = trace.layout();
+    const bool linear = layout.between == TraceBetween::kLinear;
+    const TraceRow& behind = layout.end == TraceEnd::kWrap ? rows.front() : rows.back();
+    double sum = static_cast<double>(rows.front().at) * static_cast<double>(rows.front().delay.count());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const bool last = i + 1 == rows.size();
+        const TraceRow& next = last ? behind : rows[i + 1];
+        const Duration delay = linear ? (rows[i].delay + next.delay) / 2 : rows[i].delay;
+        sum += static_cast<double>((last ? trace.period() : next.at) - rows[i].at) *
+               static_cast<double>(delay.count());
+    }
+    return sum / static_cast<double>(trace.period());
+}
+
 }  // namespace
 
 double least_mean_in_spreads(const JitterSettings& jitter) { return bounds_of(jitter).least_mean; }
@@ -117,6 +134,11 @@ std::size_t packets_in_flight(const LinkSettings& link) {
 
 void make_room_for_delay(LinkSettings& link) {
     link.capacity = std::max(link.capacity, std::min(2 * packets_in_flight(link), kMostCapacity));
+}
+
+Duration mean_delay(const LinkSettings& link) {
+    if (link.trace == nullptr || !link.trace->layout().has_delay) return link.delay;
+    return std::chrono::microseconds{std::llround(mean_of_ns(*link.trace) / 1000)};
 }
 
 void set_delay(LinkSettings& link, Duration delay) {

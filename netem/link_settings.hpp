@@ -146,6 +146,8 @@ Duration nearly_longest_delay(const LinkSettings& link);
 std::size_t packets_in_flight(const LinkSettings& link);
 // Raises the capacity to twice that number, up to kMostCapacity.
 void make_room_for_delay(LinkSettings& link);
+// Of all packets: `delay`, or the mean over one period of a trace that has delays, to the microsecond.
+Duration mean_delay(const LinkSettings& link);
 // With room for it. The same delay changes nothing.
 void set_delay(LinkSettings& link, Duration delay);
 

@@ -32,8 +32,10 @@ constexpr const char* kFooter =
 
 // A session starts its node with options alone, none of them these. A person may name the session file first.
 bool is_node_call(int argc, char** argv) {
-    constexpr std::array<std::string_view, 8> kOwn{"--listen", "--to", "--selftest",   "--print-tc",
-                                                   "--help",   "-h",   "--completion", "--complete"};
+    constexpr std::array<std::string_view, 17> kOwn{
+        "--listen",     "--to",       "--selftest", "--print-tc",  "--help",  "-h",
+        "--completion", "--complete", "--profile",  "-p",          "--link",  "--seed",
+        "-s",           "--control",  "--metrics",  "--max-flows", "--idle-s"};
     if (argc < 2) return true;
     const std::string_view first(argv[1]);
     if (!first.starts_with('-')) return first == "node" || first.ends_with(".toml");

@@ -22,6 +22,15 @@ void take_words(LinkSettings& link, Way way, const std::string& words, std::uint
     seed = read.seed.value_or(seed);
 }
 
+// Changes of the profile keep them.
+void assign_always(Network& network, const std::vector<std::string>& assignments) {
+    network.links = assign(network.links, assignments);
+    for (LinkChange& change : network.timelines.up)
+        change.settings = assign({change.settings, network.links.down}, assignments).up;
+    for (LinkChange& change : network.timelines.down)
+        change.settings = assign({network.links.up, change.settings}, assignments).down;
+}
+
 }  // namespace
 
 void add_network_options(CLI::App& app, NetworkOptions& options) {
@@ -30,8 +39,8 @@ void add_network_options(CLI::App& app, NetworkOptions& options) {
                        "), a TOML file, or words of tc in quotes")
         ->type_name("NAME|FILE|WORDS");
     app.add_option("--link", options.link,
-                   "change single settings of it, e.g. up.delay_s=0.05 loss=0.01; without up. or down. in "
-                   "both directions")
+                   "change single settings of it for the whole time, e.g. up.delay_s=0.05 loss=0.01; without "
+                   "up. or down. in both directions")
         ->type_name("KEY=VALUE");
     app.add_option("-s,--seed", options.seed,
                    "random seed; the same seed gives each packet the same fate (default 1, or tc's seed)");
@@ -49,7 +58,9 @@ Network read_network(const NetworkOptions& options) {
     take_words(network.links.up, Way::kUp, options.uplink, network.seed);
     take_words(network.links.down, Way::kDown, options.downlink, network.seed);
     network.seed = options.seed.value_or(network.seed);
-    network.links = assign(network.links, options.link);
+    if (!options.uplink.empty()) network.timelines.up.clear();  // those words are the whole link
+    if (!options.downlink.empty()) network.timelines.down.clear();
+    assign_always(network, options.link);
     return network;
 }
 

@@ -119,6 +119,7 @@ int relay(const RelayOptions& options) {
     const RelayState state = run_relay(service);
     const auto report = describe(state);
     fmt::print("{}", options.json ? json_text(report, 2) + "\n" : report_text(report));
+    if (!state.log_fault.empty()) throw Error(ExitCode::kData, state.log_fault);
     return check_lateness(options, state, service.runtime);
 }
 

@@ -64,7 +64,9 @@ int run(const ShellOptions& options, std::vector<std::vector<std::string>> comma
     } else {
         fmt::print(stderr, "{}", report_text(result.report));
     }
-    return result.exit_code;
+    if (!result.log_fault.empty()) spdlog::error(result.log_fault);
+    const bool incomplete = result.exit_code == 0 && !result.log_fault.empty();
+    return incomplete ? static_cast<int>(ExitCode::kData) : result.exit_code;
 }
 
 std::shared_ptr<ShellOptions> options_of(CLI::App& command, const char* up, const char* down) {

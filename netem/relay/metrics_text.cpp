@@ -131,6 +131,8 @@ class MetricsPrinter {
         single("flows_opened_total", "counter", "Clients since the start.", t.flows_opened);
         single("flows_refused_packets_total", "counter", "Datagrams of clients beyond --max-flows.",
                t.flows_refused);
+        single("flows_failed_packets_total", "counter",
+               "Datagrams of clients without a socket to the server.", t.flows_failed);
         single("stalls_total", "counter", "Wake-ups more than 1 ms late.", t.stalls);
         single("dropped_by_kernel_packets_total", "counter", "Datagrams that the kernel had no buffer for.",
                t.dropped_by_kernel);

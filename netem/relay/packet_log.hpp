@@ -5,10 +5,12 @@
 #include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <string>
 #include <thread>
 
 #include <boost/core/noncopyable.hpp>
 #include <boost/lockfree/spsc_queue.hpp>
+#include <fmt/format.h>
 
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -59,17 +61,15 @@ class PacketLog final : public PacketSink, boost::noncopyable {
     }
 
     std::uint64_t missing() const override { return missing_; }
-    // Writes what was added so far and ends the thread. Throws Error (data) if a write failed, e.g. a full disk.
-    void finish() {
+    // Writes what was added so far and ends the thread. Says why the file is incomplete, e.g. a full disk; empty: it is whole.
+    std::string finish() {
         stop_ = true;
         if (thread_.joinable()) thread_.join();
         if (gap_ > 0) write(gap());
         gap_ = 0;
         file_.flush();
-        if (!file_) {
-            throw Error(ExitCode::kData, "the packet log '{}' is incomplete: is the disk full?",
-                        path_.string());
-        }
+        if (file_) return "";
+        return fmt::format("the packet log '{}' is incomplete: is the disk full?", path_.string());
     }
 
   private:

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 
@@ -153,8 +155,6 @@ void RelayEngine::receive_from_clients(std::uint32_t inlet) {
         const SessionTime received = stamps_.to_session(datagram.stamp_realtime_ns, now);
         if (const auto place = flow_of({inlet, datagram.from}, received, now)) {
             push(2 * *place + static_cast<std::uint32_t>(RelayDirection::kUp), datagram, received);
-        } else {
-            ++totals_.flows_refused;
         }
     }
 }
@@ -183,8 +183,10 @@ void RelayEngine::push(std::uint32_t link, const ReceiveBatch::Datagram& datagra
 std::optional<std::uint32_t> RelayEngine::flow_of(const FlowName& name, SessionTime received,
                                                   SessionTime now) {
     const auto found = table_.find(name, now);
+    if (!found) ++totals_.flows_refused;
     if (!found) return std::nullopt;
     if (found->fresh && !open_flow(found->place, received)) {
+        ++totals_.flows_failed;
         table_.refuse(found->place);
         return std::nullopt;
     }
@@ -204,8 +206,9 @@ bool RelayEngine::open_flow(std::uint32_t place, SessionTime received) {
         if (log_ != nullptr) log_drops(*flow, place);
         flows_[place] = std::move(flow);
         return true;
-    } catch (const Error&) {
-        return false;  // no more sockets: counted, the other flows go on
+    } catch (const Error& error) {  // no route, or no more sockets: the other flows go on
+        if (totals_.flows_failed == 0) spdlog::warn(error.what());
+        return false;
     }
 }
 

@@ -158,12 +158,15 @@ nlohmann::ordered_json describe(const Histogram& error) {
 
 nlohmann::ordered_json describe(const RelayState& state) {
     const RelayTotals& t = state.totals;
-    Json json{
-        {"version", kVersion},
-        {"running_s", to_seconds(t.running)},
-        {"flows", {{"open", t.flows}, {"opened", t.flows_opened}, {"packets_refused", t.flows_refused}}},
-        {"up", describe_direction(state.links.up, t[RelayDirection::kUp])},
-        {"down", describe_direction(state.links.down, t[RelayDirection::kDown])}};
+    Json json{{"version", kVersion},
+              {"running_s", to_seconds(t.running)},
+              {"flows",
+               {{"open", t.flows},
+                {"opened", t.flows_opened},
+                {"packets_refused", t.flows_refused},
+                {"packets_failed", t.flows_failed}}},
+              {"up", describe_direction(state.links.up, t[RelayDirection::kUp])},
+              {"down", describe_direction(state.links.down, t[RelayDirection::kDown])}};
     json["machine"] = {{"waiting", state.precise ? "precise" : "sleeping"},
                        {"margin_us", us(state.margin)},
                        {"send_lead_us", us(state.send_lead)},
@@ -189,6 +192,8 @@ std::string report_text(const nlohmann::ordered_json& report) {
         text +=
             fmt::format("{} packets of clients beyond the limit were dropped: raise --max-flows\n", refused);
     }
+    if (const auto failed = flows.at("packets_failed").get<std::uint64_t>(); failed > 0)
+        text += fmt::format("{} packets of clients were dropped: see the warning about the server\n", failed);
     return text + direction_text("up", report.at("up")) + direction_text("down", report.at("down")) +
            machine_text(report);
 }

@@ -115,7 +115,7 @@ RelayState run_relay(const ServiceSettings& settings) {
     RelayState state = engine.state(wall_now());
     servers.control.reset();
     servers.metrics.reset();
-    if (log) log->finish();
+    if (log) state.log_fault = log->finish();
     return state;
 }
 

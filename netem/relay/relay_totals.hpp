@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "common/histogram.hpp"
@@ -63,8 +64,9 @@ struct DirectionTotals {
 
 struct RelayTotals {
     std::array<DirectionTotals, 2> direction;  // RelayDirection
-    std::uint64_t flows = 0, flows_opened = 0, flows_refused = 0;
-    std::uint64_t stalls = 0;  // wake-ups more than kStall after the due time they were for
+    std::uint64_t flows = 0, flows_opened = 0, flows_refused = 0,
+                  flows_failed = 0;  // packets: beyond the limit; without a socket
+    std::uint64_t stalls = 0;        // wake-ups more than kStall after the due time they were for
     std::uint64_t clock_steps = 0, untrusted_stamps = 0;
     std::uint64_t dropped_by_kernel = 0;  // before this program could read them
     std::uint64_t log_missing = 0;
@@ -83,7 +85,8 @@ struct RelayState {
     WaitCounters waiting;
     Duration margin{};
     bool precise = false;
-    Duration send_lead{};  // RelayEngine::send_lead
+    Duration send_lead{};     // RelayEngine::send_lead
+    std::string log_fault{};  // empty: the packet log has all
 };
 
 }  // namespace thimble

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <arpa/inet.h>
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -11,6 +12,8 @@
 #include "common/runtime/event_waiter.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "netem/delivery_trace.hpp"
+#include "netem/packet_trace.hpp"
 #include "netem/relay/loss_law.hpp"
 #include "netem/relay/relay_engine.hpp"
 #include "netem/relay/relay_service.hpp"
@@ -57,17 +60,33 @@ std::size_t packets_of(const SelftestSettings& settings) {
     return static_cast<std::size_t>((settings.length - 2 * bare_part(settings)) / kTrafficPeriod);
 }
 
+// The lowest rate that a link may have; 0: no limit.
+double slowest_bits_per_s(const LinkSettings& link) {
+    double slowest = link.rate.bits_per_s > 0 ? link.rate.bits_per_s : HUGE_VAL;
+    if (link.trace != nullptr && link.trace->layout().has_rate) {
+        for (const TraceRow& row : link.trace->rows()) slowest = std::min(slowest, row.bits_per_s);
+    }
+    if (link.deliveries != nullptr)  // its mean
+        slowest = std::min(slowest, 8.0 * DeliveryTrace::kBytesPerOpportunity *
+                                        static_cast<double>(link.deliveries->times_ms().size()) /
+                                        to_seconds(link.deliveries->period()));
+    return slowest < HUGE_VAL ? slowest : 0;
+}
+
 // How long a link with a rate still sends after so many packets of `bytes`: what it is behind, or what it holds.
 double queue_s(const LinkSettings& link, std::size_t packets, std::size_t bytes) {
     const RateSettings& rate = link.rate;
-    if (rate.bits_per_s == 0) return 0;
-    const double each_s = 8.0 * static_cast<double>(rate.bytes_on_air(bytes)) / rate.bits_per_s;
+    const double bits_per_s = slowest_bits_per_s(link);
+    if (bits_per_s == 0) return 0;
+    const double each_s = 8.0 * static_cast<double>(rate.bytes_on_air(bytes)) / bits_per_s;
     std::size_t held = link.capacity;
     if (rate.queue_packets > 0) held = std::min(held, rate.queue_packets + 1);
     if (rate.queue_bytes > 0) held = std::min(held, rate.queue_bytes / bytes + 1);
     const double behind_s = (link.duplicate > 0 ? 2 : 1) * each_s - to_seconds(kTrafficPeriod);
-    return std::min(static_cast<double>(held) * each_s,
-                    static_cast<double>(packets) * std::max(0.0, behind_s));
+    // The longest gap between two opportunities may come last.
+    const double gap_s = link.deliveries != nullptr ? to_seconds(link.deliveries->period()) : 0;
+    return gap_s + std::min(static_cast<double>(held) * each_s,
+                            static_cast<double>(packets) * std::max(0.0, behind_s));
 }
 
 // Of the slowest settings that a way has during the test.
@@ -174,18 +193,20 @@ Duration selftest_drain(const SelftestSettings& settings, std::size_t header_byt
 
 SelftestResult run_selftest(const SelftestSettings& settings, SelftestPath& path) {
     const Duration bare = bare_part(settings), drain = selftest_drain(settings, path.header_bytes());
+    install_stop_signals();
     say_if_long(drain);
     const std::size_t packets = packets_of(settings);
     SelftestTraffic traffic(packets, drain, path.server());
     traffic.launch();
     Records records(8 * packets + 16);
-    install_stop_signals();
     const bool precise = ask_for_precision(settings.runtime, settings.precise);
     SelftestResult result;
     result.timer = measure_timer(kTrafficPeriod, bare);
     path.open(settings, precise, records);
     traffic.start(path.client());
     while (!traffic.finished() && !stop_requested()) path.step(wall_now() + kPathStopLatency);
+    if (!traffic.finished())
+        throw Error(ExitCode::kRunFailed, "interrupted: half a self-test gives no verdict");
     result.state = path.state(wall_now());
     result.timer.merge(measure_timer(kTrafficPeriod, bare));
     const StreamKey key = flow_key(settings.seed, 0, 0);

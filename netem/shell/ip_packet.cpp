@@ -8,7 +8,7 @@ namespace thimble {
 namespace {
 
 constexpr std::size_t kHeader4 = 20, kHeader6 = 40;
-constexpr std::uint8_t kHopByHop = 0, kIgmp = 2, kIcmp6 = 58;
+constexpr std::uint8_t kHopByHop = 0, kIgmp = 2, kTcp = 6, kIcmp6 = 58;
 
 std::size_t read_u16(Bytes bytes, std::size_t at) { return std::size_t{bytes[at]} << 8 | bytes[at + 1]; }
 
@@ -18,7 +18,7 @@ IpPacket read_ip4(Bytes frame) {
     const std::size_t whole = read_u16(frame, 2);
     if (header < kHeader4 || whole < header || whole > frame.size()) return {};
     const IpKind kind = frame[9] == kIgmp ? IpKind::kLocal : IpKind::kData;
-    return {kind, false, frame.first(whole), frame.subspan(16, 4), frame[1]};
+    return {kind, false, frame.first(whole), frame.subspan(16, 4), frame[1], frame[9] == kTcp};
 }
 
 // Multicast listener (130 to 132, 143), router and neighbour discovery and redirects (133 to 137).
@@ -44,7 +44,7 @@ IpPacket read_ip6(Bytes frame) {
     const auto type = icmp6_type(packet);
     const IpKind kind = type && is_local_icmp6(*type) ? IpKind::kLocal : IpKind::kData;
     const auto traffic_class = static_cast<std::uint8_t>(read_u16(packet, 0) >> 4);
-    return {kind, true, packet, packet.subspan(24, 16), traffic_class};
+    return {kind, true, packet, packet.subspan(24, 16), traffic_class, packet[6] == kTcp};
 }
 
 }  // namespace

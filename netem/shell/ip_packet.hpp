@@ -21,6 +21,7 @@ struct IpPacket {
     Bytes bytes{};                   // without what may follow the packet in its frame
     Bytes destination{};             // 4 or 16 bytes
     std::uint8_t traffic_class = 0;  // DSCP and ECN bits
+    bool tcp = false;
 };
 
 // Never throws; the spans point into `frame`.

@@ -137,7 +137,7 @@ void PacketRelay::record_sent(std::size_t direction, const Departure& departure,
 
 void PacketRelay::note_stages(std::size_t direction, const Departure& departure) {
     const LinkSettings& link = links_[direction].settings();
-    const double bits = 8.0 * static_cast<double>(departure.bytes.size() + link.rate.overhead_bytes);
+    const double bits = 8.0 * static_cast<double>(link.rate.bytes_on_air(departure.bytes.size()));
     const Duration rate = link.rate.bits_per_s > 0 ? from_seconds(bits / link.rate.bits_per_s) : Duration{};
     StageTotals& stages = stages_[direction];
     stages.rate_sum += rate;
@@ -165,6 +165,7 @@ bool PacketRelay::read_one(std::size_t port, DeviceStamps& stamps) {
     const Bytes frame{room.data(), static_cast<std::size_t>(size)};
     const SessionTime received = stamps.of(frame, now);
     const IpPacket packet = read_ip_packet(ports_[port].ethernet ? ip_of_frame(frame) : frame);
+    if (packet.tcp) tcp_read_ = now;
     if (packet.kind == IpKind::kData) {
         push(port == 0 ? 0 : 1, packet, received);
     } else {

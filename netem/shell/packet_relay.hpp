@@ -78,6 +78,9 @@ class PacketRelay final : public SteeredRelay {
     RelayState state(SessionTime now) const override;
     SessionTime start() const { return start_; }
     const PortTotals& ports() const { return port_totals_; }
+    SessionTime tcp_read() const {
+        return tcp_read_;
+    }  // when the last packet of TCP was; SessionTime{}: none
     bool empty() const { return links_[0].in_flight() + links_[1].in_flight() == 0; }
     const StageTotals& stages(RelayDirection direction) const {
         return stages_[static_cast<std::size_t>(direction)];
@@ -114,6 +117,7 @@ class PacketRelay final : public SteeredRelay {
     std::vector<std::unique_ptr<DeviceStamps>> stamps_;  // of each port
     std::array<std::optional<DropLog>, 2> drops_;
     std::array<SessionTime, 2> last_received_{};
+    SessionTime tcp_read_{};
     LeastLately handling_, writing_;    // from waking to the call that sends; that call
     SessionTime woken_ = kNever;        // by a due time, until the first packet has been sent
     std::vector<std::uint8_t> marked_;  // the last packet that a link has marked

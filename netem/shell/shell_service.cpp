@@ -22,6 +22,7 @@ namespace {
 constexpr Duration kLook = std::chrono::milliseconds{100};  // at programs, without a signal
 constexpr Duration kQuiet = std::chrono::milliseconds{20};  // for so long nothing waited: nothing is to come
 constexpr Duration kLinger = std::chrono::seconds{2};  // beyond the delays, for what ended programs have sent
+constexpr Duration kMostLinger = std::chrono::minutes{1};  // for connections that go on by themselves
 
 std::vector<std::unique_ptr<ProgramRoom>> make_rooms(const std::vector<RoomSettings>& settings) {
     std::vector<std::unique_ptr<ProgramRoom>> rooms;
@@ -40,20 +41,21 @@ Environment pair_environment(std::size_t i, bool has_ip6) {
     return environment;
 }
 
-// Packets of ended programs may still be under way: the kernel sends on for them.
+// Packets of ended programs may still be under way. The kernel sends on for them, and goes on with their connections.
 class Linger {
   public:
     explicit Linger(const LinkPair& links)
         : longest_(kLinger + nearly_longest_delay(links.up) + nearly_longest_delay(links.down)) {}
-    bool over(SessionTime now, bool quiet) {
-        if (end_ == kNever) end_ = now + longest_;
+    bool over(SessionTime now, bool quiet, SessionTime tcp_read) {
+        if (begin_ == kNever) begin_ = now;
         if (!quiet || quiet_since_ == kNever) quiet_since_ = quiet ? now : kNever;
-        return now >= end_ || (quiet && now - quiet_since_ >= kQuiet);
+        const SessionTime last = std::clamp(tcp_read, begin_, begin_ + kMostLinger);
+        return now - last >= longest_ || (quiet && now - quiet_since_ >= kQuiet);
     }
 
   private:
     Duration longest_;
-    SessionTime end_ = kNever, quiet_since_ = kNever;
+    SessionTime begin_ = kNever, quiet_since_ = kNever;
 };
 
 // slirp4netns has read its frames; it is ended with those that it has not.
@@ -74,7 +76,10 @@ void relay_until_ended(PacketRelay& relay, Programs& programs, SignalLine& signa
         while (const auto signal = signals.next()) programs.obey(*signal, now);
         programs.look(now);
         const bool quiet = !read && relay.empty() && all_read(outer);
-        if (programs.all_ended() && linger.over(now, quiet)) return;
+        if (!programs.all_ended() || !linger.over(now, quiet, relay.tcp_read())) continue;
+        if (!quiet && now - relay.tcp_read() < kLook)
+            spdlog::warn("a connection of an ended program still had data to send: they are lost");
+        return;
     }
 }
 
@@ -122,7 +127,7 @@ ShellResult run_wired(const ShellSettings& settings, Programs& programs, SignalL
                               {"up", describe_stages(settings.links.up, relay, RelayDirection::kUp)},
                               {"down", describe_stages(settings.links.down, relay, RelayDirection::kDown)}};
     control.reset();
-    if (log) log->finish();
+    if (log) result.log_fault = log->finish();
     return result;
 }
 

@@ -26,6 +26,7 @@ struct ShellSettings {
 struct ShellResult {
     int exit_code = 0;              // of the program; of a pair the first that is not 0
     nlohmann::ordered_json report;  // relay_report.hpp, and "shell"
+    std::string log_fault{};        // empty: the packet log has all
 };
 
 // Of the first and the second program of a pair.

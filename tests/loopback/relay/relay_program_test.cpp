@@ -367,6 +367,38 @@ TEST_F(RelayProgram, SaysWhatIsWrongWithACommandLine) {
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.printed, HasSubstr("thimble-netem --listen 9000"));
     EXPECT_THAT(run_netem({"node", "--help"}).printed, HasSubstr("--base-port"));
+    for (const char* of_relay : {"--profile=lte", "-plte", "--metrics=9464"})
+        EXPECT_THAT(run_netem({of_relay}).said, HasSubstr("--listen")) << of_relay;
+}
+
+TEST_F(RelayProgram, KeepsASettingThroughTheChangesOfAProfile) {
+    const auto profile = folder_.write("changes.toml", "delay_s = 0.01\n[[change]]\nat_s = 0\nloss = 0.5\n");
+    const std::string control = folder_ / "control";
+    NetemProgram netem(
+        in_front({"--profile", profile.string(), "--link", "delay_s=0.2", "--control", control}));
+    netem.inlet();
+    const json shown = json::parse(run_netem({"show", "--control", control, "--json"}).printed);
+    for (const char* way : {"up", "down"}) {
+        EXPECT_EQ(shown.at(way).at("asked").at("delay_s"), 0.2) << shown;
+        EXPECT_EQ(shown.at(way).at("asked").at("loss"), 0.5) << shown;
+    }
+}
+
+TEST_F(RelayProgram, ReportsThoughItsLogHasNoRoom) {
+    const Ended end = run_netem(in_front({"--log", "/dev/full", "--seconds", "0.2"}));
+    EXPECT_EQ(end.code, 5);
+    EXPECT_THAT(end.said, HasSubstr("is incomplete"));
+    EXPECT_THAT(end.printed, HasSubstr("0 flows"));
+}
+
+TEST_F(RelayProgram, SaysThatItHasNoWayToTheServer) {
+    NetemProgram netem({"--listen", "127.0.0.1:0", "--to", "240.0.0.1:9"});
+    Client(netem.inlet()).say("hello");
+    EXPECT_TRUE(
+        wait_until([&] { return netem.said().find("240.0.0.1:9") != netem.said().rfind("240.0.0.1:9"); }));
+    netem.signal(SIGINT);
+    EXPECT_EQ(netem.wait(), 0);
+    EXPECT_THAT(netem.printed(), testing::Not(HasSubstr("--max-flows")));
 }
 
 TEST_F(RelayProgram, TestsItself) {
@@ -383,6 +415,15 @@ TEST_F(RelayProgram, TestsItself) {
         EXPECT_GT(result.at(direction).at("dropped_as_asked"), 0) << direction;
     }
     EXPECT_GT(result.at("bare_timer").at("count"), 10);
+}
+
+TEST_F(RelayProgram, AnInterruptedSelftestGivesNoVerdict) {
+    NetemProgram test({"--selftest", "--seconds", "5", "--link", "delay_s=6"});
+    EXPECT_TRUE(wait_until([&] { return test.said().find("the test ends") != std::string::npos; }));
+    test.signal(SIGINT);
+    EXPECT_EQ(test.wait(), 1);
+    EXPECT_THAT(test.said(), HasSubstr("interrupted"));
+    EXPECT_EQ(test.printed(), "");
 }
 
 }  // namespace

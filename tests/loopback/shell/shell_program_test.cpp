@@ -145,6 +145,14 @@ TEST_F(ShellProgram, ReportsAndLogs) {
     EXPECT_THAT(read_text(folder_ / "log.csv"), HasSubstr("received"));
 }
 
+TEST_F(ShellProgram, KeepsTheProgramsExitCodeThoughItsLogHasNoRoom) {
+    for (const auto& [script, code] : {std::pair{"exit 7", 7}, {"exit 0", 5}}) {
+        const ProgramResult result = netem("shell --log /dev/full", {script});
+        EXPECT_EQ(result.exit_code, code);
+        EXPECT_THAT(result.output, AllOf(HasSubstr("is incomplete"), HasSubstr("waiting")));
+    }
+}
+
 TEST_F(ShellProgram, ObeysSetWhileItRuns) {
     Child child(netem_program(),
                 netem_words("shell --control control", {"while [ ! -e end ]; do sleep 0.05; done"}),

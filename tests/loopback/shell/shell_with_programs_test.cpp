@@ -54,6 +54,30 @@ TEST_F(ShellWithPrograms, CurlReadsAPage) {
     EXPECT_THAT(result.output, HasSubstr("100000\n"));
 }
 
+// Five seconds' worth of its data waits in the kernel when the program ends.
+TEST_F(ShellWithPrograms, AConnectionOutlivesItsProgram) {
+    THIMBLE_NEEDS("bash", "bash");
+    std::atomic<std::size_t> heard{0};
+    std::atomic<bool> to_the_end{false};
+    const OuterServer server(SOCK_STREAM, [&](int socket) {
+        const int caller = accept(socket, nullptr, nullptr);
+        const timeval patience{to_nanoseconds(kPatience) / 1'000'000'000, 0};
+        setsockopt(caller, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+        std::array<char, 2000> room{};
+        ssize_t size = 0;
+        while ((size = recv(caller, room.data(), room.size(), 0)) > 0)
+            heard += static_cast<std::size_t>(size);
+        to_the_end = size == 0;
+        close(caller);
+    });
+    const ProgramResult result =
+        netem("shell --link up.rate_bits_per_s=100e3",
+              {"exec bash -c \"head -c 60000 /dev/zero > /dev/tcp/$THIMBLE_HOST/" + server.port() + "\""});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_TRUE(wait_until([&] { return to_the_end.load(); })) << heard;
+    EXPECT_EQ(heard, 60'000U);
+}
+
 TEST_F(ShellWithPrograms, DigAsksANameServer) {
     THIMBLE_NEEDS("dig", "bind9-dnsutils");
     const OuterServer server(SOCK_DGRAM, [](int socket) {

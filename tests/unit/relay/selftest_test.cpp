@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "netem/delivery_trace.hpp"
+#include "netem/packet_trace.hpp"
 #include "tests/refusal.hpp"
 
 namespace thimble {
@@ -109,6 +111,18 @@ TEST(SelftestDrain, IsAsLongAsPacketsCanBeOnTheirWay) {
     EXPECT_EQ(selftest_drain(settings, 28), settling + milliseconds{20 + 3 * 1000});
     settings.links.up.rate.queue_packets = 10;
     EXPECT_EQ(selftest_drain(settings, 28), settling + milliseconds{20 + 4 * 11});
+    // The same rate from a trace, and 1,500 bytes each 6 ms as somebody recorded them.
+    const Duration of_rate = selftest_drain(settings, 28);
+    const RateSettings queue{.queue_packets = 10};
+    settings.links.up.rate = queue;
+    settings.links.up.trace = std::make_shared<PacketTrace>(
+        std::vector<TraceRow>{{.bits_per_s = 1e9}, {.at = 1, .bits_per_s = 132 * 8 * 250}},
+        TraceLayout{.has_delay = false, .has_rate = true});
+    EXPECT_EQ(selftest_drain(settings, 28), of_rate);
+    settings.links.up.trace = nullptr;
+    settings.links.up.deliveries = std::make_shared<DeliveryTrace>(std::vector<std::uint32_t>{6, 12, 6000});
+    EXPECT_GT(selftest_drain(settings, 28), std::chrono::seconds{6});
+    settings.links.up.deliveries = nullptr;
     settings.links.up.rate = {.bits_per_s = 1};
     EXPECT_THAT(refusal([&] { selftest_drain(settings, 28); }, ExitCode::kUsage), HasSubstr("higher rate"));
 }

@@ -11,6 +11,7 @@
 #include "common/random.hpp"
 #include "netem/profiles/profiles.hpp"
 #include "netem/stages/delay_shape.hpp"
+#include "tests/refusal.hpp"
 #include "tests/unit/netem/statistics_tools.hpp"
 
 namespace thimble {
@@ -205,6 +206,8 @@ TEST(PathFit, WhatItFitsCanBeRead) {
 TEST(PathFit, NoLossIsABoundAndTooLittleIsRefused) {
     MeasuredPath path = runs_of({300});
     EXPECT_THAT(fit_path(path).sentences, Contains(HasSubstr("less than 1 % is (95 % confidence)")));
+    path.packets[7].loss = 0.2;  // of a profile's trace
+    EXPECT_THAT(refusal([&] { fit_path(path); }, ExitCode::kData), HasSubstr("probabilities (such as 0.2)"));
     path.packets.resize(1);
     EXPECT_THROW(fit_path(path), Error);
 }
