@@ -186,7 +186,8 @@ void PortProbe::take_echo(const ProbePacket& echo, SessionTime arrived,
     take_counts(echo);
     if (!echoes_.add(echo.sequence)) return;
     round_trip_.add(arrived - echo.probe_sent);
-    longest_gap_ = std::max(longest_gap_, arrived - last_echo_);
+    const bool first = echoes_.distinct() == 1;  // its way there and back is no pause
+    longest_gap_ = std::max(longest_gap_, first ? echo.probe_sent - started_ : arrived - last_echo_);
     last_echo_ = arrived;
     const ClockExchange exchange{echo.probe_sent, echo.probe_arrived, echo.echo_sent, arrived};
     if (exchange.possible() && exchanges.size() < exchanges.capacity()) exchanges.push_back(exchange);

@@ -138,6 +138,15 @@ TEST_F(LinkTest, DelayLossAndASilentPortThroughTheRelay) {
     EXPECT_NE(result.json["modalities"][1]["verdict"], "fits");          // CF, a fifth lost
 }
 
+TEST_F(LinkTest, ARoundTripIsNoPause) {
+    Child far_side = echo({"--base-port", base(far), "--ports", "14"});
+    const Child needle = relay(kNeedle, {"delay_s=0.25"});
+    ASSERT_TRUE(wait_until([&] { return read_text(folder / "relay14").find("ready") != std::string::npos; }));
+    const auto port = test({"--base-port", base(), "--ports", "14", "--seconds", "1"}).json["ports"][0];
+    EXPECT_GE(port["round_trip_median_s"].get<double>(), 0.5);
+    EXPECT_LT(port["longest_pause_s"].get<double>(), port["round_trip_median_s"].get<double>());
+}
+
 TEST_F(LinkTest, TheEchoEndsByItselfAndItsPortsAreItsOwn) {
     Child first = echo({"--base-port", base()}, "first");
     Child second = echo({"--base-port", base()}, "second");
