@@ -119,8 +119,10 @@ Diagnosis check_device_software(const Facts& facts) {
 
 Diagnosis check_can(const Facts& facts) {
     Diagnosis finding{"CAN"};
-    const bool wanted = facts.session.fingertip == "drives";
-    const auto& interfaces = facts.can.interfaces;
+    const std::string& bus = facts.session.can_bus;
+    const bool wanted = !bus.empty();
+    auto interfaces = facts.can.interfaces;
+    if (wanted) std::erase_if(interfaces, [&](const auto& interface) { return interface.name != bus; });
     const auto up = std::find_if(interfaces.begin(), interfaces.end(),
                                  [](const CanFacts::Interface& interface) { return interface.up; });
     if (up != interfaces.end()) {
@@ -131,12 +133,14 @@ Diagnosis check_can(const Facts& facts) {
                                         up->queue_frames, kQueueFrames),
                             fmt::format("sudo ip link set {} txqueuelen 100", up->name));
     }
-    const Severity lacking = wanted ? Severity::kWarning : Severity::kNote;
+    const Severity lacking = wanted ? Severity::kFault : Severity::kNote;
     if (!interfaces.empty()) {
         const std::string& name = interfaces.front().name;
         return finding.is(lacking, fmt::format("{} is down", name),
                           fmt::format("sudo ip link set {} up type can bitrate 1000000", name));
     }
+    if (wanted && facts.kernel.can)
+        return finding.is(lacking, fmt::format("there is no interface {}", bus), "ip -br link show type can");
     if (facts.kernel.can) {
         return finding.is(lacking, "no interface; needed only for a fingertip device with CAN drives",
                           "sudo ip link add vcan0 type vcan   # a virtual one, to try");

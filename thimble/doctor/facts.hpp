@@ -27,6 +27,7 @@ struct SessionFacts {
         true;  // CF and CCF reach a person: by a device, as a picture, or the session has neither
     std::string software_problem{};    // of a device: its SDK, its firmware or its program cannot be used
     std::string middleware_problem{};  // of TouchDIVERs: no program listens at its port, and why
+    std::string can_bus{};  // of motor drives; empty: there are none, or their bus is reached over UDP
 };
 
 struct RealtimeFacts {

@@ -264,6 +264,9 @@ Ros2Facts::Interface interface_at(const std::string& address) {
 void gather_session(const ConfigFile& file, const SystemSettings& settings, SessionFacts& facts) {
     file.table("handle").read("device", facts.handle, "");
     file.table("cutaneous").read("device", facts.fingertip, "");
+    const DriveSettings& drives = settings.cutaneous.drives;
+    if (settings.cutaneous.device == FingertipDevice::kDrives && !drives.cannelloni)
+        facts.can_bus = drives.bus;
     facts.window = settings.visual.window;
     facts.human = settings.plan.kind == SubjectKind::kHuman;
     facts.beep_shown = settings.visual.beep_shown == BeepShown::kAlways;

@@ -203,12 +203,19 @@ TEST(DoctorChecks, ADeviceThatIsWantedMustBeThereAndOpen) {
 
 TEST(DoctorChecks, CanIsNeededByDrivesOnly) {
     const Facts able = with(&Facts::kernel, {"", "", 1e-9, true});
-    const Facts drives = with(&Facts::session, session_with("simulated", "drives"), able);
+    SessionFacts session = session_with("simulated", "drives");  // their bus is reached over UDP
+    const Facts over_udp = with(&Facts::session, session, able);
+    session.can_bus = "can0";
+    const Facts drives = with(&Facts::session, session, able), no_can = with(&Facts::session, session);
     expect_findings(
         check_can, {{{}, kNote, "this kernel has no CAN", "modprobe can_raw"},
                     {able, kNote, "no interface", "type vcan"},
-                    {with(&Facts::can, {{{"can0", false, 10}}}, drives), kWarning, "can0 is down",
-                     "ip link set can0 up type can bitrate 1000000"},
+                    {over_udp, kNote, "no interface"},
+                    {no_can, kFault, "this kernel has no CAN", "modprobe can_raw"},
+                    {with(&Facts::can, {{{"can1", true, 100}}}, drives), kFault, "there is no interface can0",
+                     "ip -br link"},
+                    {with(&Facts::can, {{{"can0", false, 10}, {"can1", true, 100}}}, drives), kFault,
+                     "can0 is down", "ip link set can0 up type can bitrate 1000000"},
                     {with(&Facts::can, {{{"can0", false, 10}, {"can1", true, 10}}}, able), kOk, "can1 is up"},
                     {with(&Facts::can, {{{"can0", true, 10}}}, drives), kWarning, "its queue holds 10 frames",
                      "ip link set can0 txqueuelen 100"},
