@@ -31,7 +31,7 @@ LiveTrial::LiveTrial(const LiveChoice& choice)
     : choice_(choice),
       settings_(settings_of(choice)),
       pointer_(settings_.handle),
-      display_(settings_.visual.pipeline) {
+      display_(settings_.visual) {
     VirtualDevices devices;
     devices.display = &display_;
     if (!choice.virtual_hand) {

@@ -14,7 +14,7 @@ namespace thimble {
 // The simulated screen, which also keeps the newest picture.
 class SeenDisplay final : public Display {
   public:
-    explicit SeenDisplay(Duration pipeline) : screen_(pipeline) {}
+    explicit SeenDisplay(const VisualSettings& visual) : screen_(visual) {}
 
     void draw(SessionTime now, const Scene& scene) override {
         newest_ = scene;

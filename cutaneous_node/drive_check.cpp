@@ -84,6 +84,11 @@ int check(const CheckOptions& options) {
         throw Error(ExitCode::kUsage,
                     options.config + " has no [cutaneous.drives] with a bus, so there is nothing to check");
     }
+    if (options.force_N < settings.drives.deadband_N || options.force_N > settings.force_limit_N)
+        throw Error(
+            ExitCode::kUsage,
+            "--force-N {:g}: give {:g} ([cutaneous.drives] deadband_N) to {:g} ([cutaneous] force_limit_N)",
+            options.force_N, settings.drives.deadband_N, settings.force_limit_N);
     Sockets sockets{network};
     const auto bus = open_bus(settings.drives, sockets);
     DriveActuator actuator(settings.drives, settings.force_limit_N, *bus);

@@ -38,9 +38,8 @@ MasterSettings read_master(const ConfigFile& file, HandleKind kind) {
 }
 
 HandleSettings read_handle(const ConfigFile& file, bool pointer) {
-    HandleSettings settings = read_handle_settings(file.table("handle"));
-    if (pointer) settings.kind = HandleKind::kPointer;
-    return settings;
+    return read_handle_settings(file.table("handle"),
+                                pointer ? std::optional(HandleKind::kPointer) : std::nullopt);
 }
 
 #ifdef THIMBLE_ROS2_HANDLE

@@ -24,9 +24,22 @@ MasterSettings read_master_settings(const ConfigTable& table) {
         to_seconds(s.sample_period), to_seconds(s.stale.after));
 }
 
+namespace {
+
+void require_sampled_window(const ConfigTable& guard, const MasterSettings& s) {
+    if (s.guard.energy_limit_J == 0 || s.guard.energy_window >= 2 * s.sample_period) return;
+    guard.fail("energy_window_s",
+               "is {:g}, but must be at least twice [master] sample_period_s, {:g}: the guard would forget "
+               "each sample before the next",
+               to_seconds(s.guard.energy_window), to_seconds(s.sample_period));
+}
+
+}  // namespace
+
 MasterSettings read_master_settings(const ConfigFile& file, const GuardSettings& guard) {
     MasterSettings s = read_master_settings(file.table("master"));
     s.guard = read_guard_settings(file.table("guard"), guard);
+    require_sampled_window(file.table("guard"), s);
     s.control = read_control_settings(file);
     s.codec = read_codec_settings(file.table("codec"));
     if (s.force_limit_N > s.guard.force_limit_N && file.table("master").has("force_limit_N")) {

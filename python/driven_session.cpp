@@ -53,7 +53,7 @@ void DrivenSession::start(const TrialChoice& choice) {
     const TrialConditions conditions = conditions_of(choice);
     session_.reset();
     pointer_ = std::make_unique<PointerHandle>(settings_.handle);
-    display_ = std::make_unique<SeenDisplay>(settings_.visual.pipeline);
+    display_ = std::make_unique<SeenDisplay>(settings_.visual);
     actuator_ = std::make_unique<SimulatedActuator>(settings_.cutaneous);
     VirtualDevices devices;
     devices.display = display_.get();

@@ -61,7 +61,7 @@ const BuiltInScene* built_in(std::string_view name) {
 
 ConfigFile open(const std::filesystem::path& path) {
     if (std::filesystem::exists(path)) return ConfigFile::load(path);
-    if (const BuiltInScene* scene = built_in(path.filename().string()); scene && !path.has_root_path()) {
+    if (const BuiltInScene* scene = built_in(path.string())) {
         return ConfigFile::parse(scene->text, scene->name);
     }
     std::vector<std::string_view> names;

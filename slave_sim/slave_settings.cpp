@@ -85,6 +85,11 @@ void require_frequent_samples(const ConfigFile& file, const SlaveSettings& s) {
               to_seconds(period), to_seconds(s.stale_after));
 }
 
+Duration longest_between_commands(const SlaveSettings& s) {
+    const Duration period = s.control.scale.sample_period;
+    return s.codec.command == HapticCodec::kNone ? period : std::max(period, s.codec.refresh);
+}
+
 }  // namespace
 
 double SlaveSettings::fixture_position_m() const {
@@ -114,10 +119,16 @@ SlaveSettings read_slave_settings(const ConfigFile& file) {
         s.stale_after = std::max(s.stale_after, s.codec.slave_patience());
     own.read("stale_after_s", s.stale_after, 0.001, 10,
              "Time without a command after which the needle is held and every force is zero.");
-    own.read("longest_step_s", s.longest_step, 0.001, 10,
-             "Longest gap between samples within one contact; after a longer one contact begins again.");
     read_scaling(file.table("master"), s.control.scale);
     require_frequent_samples(file, s);
+    const Duration apart = longest_between_commands(s);
+    s.longest_step = std::max(s.longest_step, 2 * apart);
+    own.read("longest_step_s", s.longest_step, 0.001, 10,
+             "Longest gap between samples within one contact; after a longer one contact begins again.");
+    if (s.longest_step <= apart)
+        own.fail("longest_step_s",
+                 "ends each contact at the next command, which may come {:g} s later: use a longer one",
+                 to_seconds(apart));
     s.control.control = read_control_settings(file);
     read_robot(own.table("ros2"), s);
     require_one_end(file, s);

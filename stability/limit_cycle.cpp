@@ -81,7 +81,7 @@ double followed_N(double from_N, double first_step_N, const Follow& next) {
         } else {
             step_N /= 2;
         }
-        if (at_N > 100 * from_N) break;  // without end
+        if (at_N > 100 * from_N) return std::numeric_limits<double>::infinity();
     }
     return at_N;
 }

@@ -53,7 +53,7 @@ PressForecast forecast_press(const PressedLoop& loop);
 // Push-through and limit cycle exist side by side up to a press F_0fold, where the cycle ends: above it the only rest is deep behind
 // the wall, at (F_0 - F_s) / k. Never below F_s (1 + k/K), where that rest begins. By the relay orbit, followed from half of the
 // force limit upwards, where the describing function's is wider than four strips, else by the describing function: 0.5 N about.
-// `press_N` is not read. Nothing if there is no cycle at half of the limit.
+// `press_N` is not read. Nothing if there is no cycle at half of the limit, infinite if it goes on to 100 times that press.
 std::optional<double> press_fold_N(const PressedLoop& loop);
 
 // The least damping that makes the loop stable at this delay, and the frequency there: the greatest K sin(wT) / w of all w with

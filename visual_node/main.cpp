@@ -27,9 +27,7 @@ struct Choices {
 class RecordingVisual final : public NodeInstance {
   public:
     RecordingVisual(const VisualSettings& settings, Sockets& sockets, std::uint64_t instance)
-        : display_(settings.pipeline),
-          stale_(settings.stale),
-          process_(instance, settings, sockets, display_) {}
+        : display_(settings), stale_(settings.stale), process_(instance, settings, sockets, display_) {}
 
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -53,7 +54,20 @@ Question read_question(const ConfigTable& table) {
     return q;
 }
 
+void refuse_unused(const ConfigTable& table, QuestionKind kind) {
+    const bool scale = kind == QuestionKind::kScale, likert = kind == QuestionKind::kLikert,
+               number = kind == QuestionKind::kNumber;
+    for (const auto& [key, used] : {std::pair{"from", scale || number},
+                                    {"step", scale},
+                                    {"to", scale || likert || number},
+                                    {"low", scale || likert},
+                                    {"high", scale || likert}}) {
+        if (!used && table.has(key)) table.fail(key, "has no effect with this kind of question: remove it");
+    }
+}
+
 void check_question(const ConfigTable& table, const Question& q, Names& taken) {
+    refuse_unused(table, q.kind);
     check_name(table, "id", q.id, taken);
     need(table, "text", q.text);
     for (const std::string& choice : q.choices) {

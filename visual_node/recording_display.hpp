@@ -4,15 +4,21 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "visual_node/display.hpp"
+#include "visual_node/visual_settings.hpp"
 
 namespace thimble {
 
 class RecordingDisplay final : public Display {
   public:
+    // Each frame that a screen may have on its way, and some to look back at.
+    explicit RecordingDisplay(const VisualSettings& s)
+        : RecordingDisplay(
+              s.pipeline, 256 + static_cast<std::size_t>(std::ceil(to_seconds(s.pipeline) * s.refresh_Hz))) {}
     // Remembers at most `capacity` frames, those on their way included.
     explicit RecordingDisplay(Duration pipeline, std::size_t capacity = 256)
         : pipeline_(pipeline), ring_(capacity) {

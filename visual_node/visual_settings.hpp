@@ -34,7 +34,8 @@ struct VisualSettings {
     bool pointer = false;   // [handle] device = "pointer" or "keyboard": the hand is read in the window
     bool keyboard = false;  // and it is the arrow keys, not the mouse
     bool hid = false;       // [handle] device = "hid": the master reads the hand
-    bool subject_goes_on = false;  // [protocol] next_by
+    double position_scale = kPositionScale;  // [master]: needle = scale x hand
+    bool subject_goes_on = false;            // [protocol] next_by
     bool vibration = true;
     std::string vibration_device{};
 };
@@ -98,6 +99,7 @@ inline VisualSettings read_visual_settings(const ConfigFile& file) {
     node.keyboard = handle == "keyboard";
     node.pointer = node.keyboard || handle == "pointer";
     node.hid = handle == "hid";
+    file.table("master").read("position_scale", node.position_scale, 0.01, 100, "");
     node.subject_goes_on = read_subject_goes_on(file.table("protocol"));
     return node;
 }

@@ -227,6 +227,7 @@ void DriveLink::check_silence(SessionTime now) {
 
 void DriveLink::tick(SessionTime now, CanBus& bus) {
     const Duration passed = now - since_;
+    const Duration answer_within = std::max(settings_->answer_limit, settings_->silent_after);
     switch (stage_) {
         case Stage::kBoot:
             if (passed > settings_->boot_limit) return fail(DriveFaultKind::kNoBootUp);
@@ -243,14 +244,12 @@ void DriveLink::tick(SessionTime now, CanBus& bus) {
             enter(now, Stage::kConfigure);
             return ask(now, bus);
         case Stage::kConfigure:
-            if (passed > settings_->answer_limit)
-                return fail(DriveFaultKind::kNoAnswer, 0, steps_[step_].name);
+            if (passed > answer_within) return fail(DriveFaultKind::kNoAnswer, 0, steps_[step_].name);
             if (now - asked_ >= kAskAgain) ask(now, bus);
             return;
         case Stage::kStart:
             // The answer is a heartbeat, which comes when it is due.
-            if (passed > std::max(settings_->answer_limit, settings_->silent_after))
-                return fail(DriveFaultKind::kNoAnswer, 0, "start (NMT)");
+            if (passed > answer_within) return fail(DriveFaultKind::kNoAnswer, 0, "start (NMT)");
             if (now - asked_ < kAskAgain) return;
             asked_ = now;
             bus.send(network_frame(NetworkCommand::kStart, node_));

@@ -124,12 +124,13 @@ Duration user_limit(const HandleSettings& settings) {
     }
 }
 
-HandleSettings read_handle_settings(const ConfigTable& table) {
+HandleSettings read_handle_settings(const ConfigTable& table, std::optional<HandleKind> instead) {
     HandleSettings settings;
     table.read(
         "device", settings.kind,
         {"simulated", "pointer", "keyboard", "hid", "force-dimension", "falcon", "ros2", "haply", "touch"},
         "Handle, and what moves it (docs/handles.md); in virtual time always simulated.");
+    settings.kind = instead.value_or(settings.kind);
     settings.force_limit_N = usual_force_limit_N(settings.kind);
     table.read("encoder_resolution_m", settings.encoder_resolution_m, 1e-9, 1e-3,
                "Resolution of the hand's position.");

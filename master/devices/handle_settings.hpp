@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/config.hpp"
@@ -126,7 +127,7 @@ constexpr bool is_real(HandleKind kind) { return kind >= HandleKind::kForceDimen
 // ROS 2 driver.
 Duration user_limit(const HandleSettings& settings);
 
-// Throws Error (usage).
-HandleSettings read_handle_settings(const ConfigTable& table);
+// `instead`: of the file's device. Throws Error (usage).
+HandleSettings read_handle_settings(const ConfigTable& table, std::optional<HandleKind> instead = {});
 
 }  // namespace thimble

@@ -65,7 +65,7 @@ VirtualSession::VirtualSession(const SystemSettings& s, const std::shared_ptr<co
       network_(lab, std::move(make_tap)),
       handle_(s.handle, s.person),
       actuator_(s.cutaneous),
-      display_(s.visual.pipeline),
+      display_(s.visual),
       devices_(devices),
       session_(granted_instance(Role::kSession), session_settings(s), network_.of(Role::kSession)) {
     for (const Role role : kNodeRoles) make(role, granted_instance(role));

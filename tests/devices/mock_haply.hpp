@@ -24,6 +24,8 @@ class MockHaply {
     }
     std::uint16_t port() const { return port_; }
     std::string log() const { return read_text(folder_ / "log"); }
+    // For how long no message was read, each time that it was long; empty: never.
+    std::string pauses() const { return read_text(folder_ / "pauses"); }
     // A moment may pass until the service has noticed an end.
     bool ends_with(const std::string& words) const {
         const SessionTime end = wall_now() + std::chrono::seconds{60};
@@ -34,7 +36,7 @@ class MockHaply {
         while (!there() && wall_now() < end) wall_sleep(std::chrono::milliseconds{2});
         return there();
     }
-    // The hand goes in, the device is calibrated, or the fault begins.
+    // The hand goes in ("go") or out ("back"), the device is calibrated, or the fault begins.
     void make(const char* file) { write_text(folder_ / file, ""); }
 
   private:

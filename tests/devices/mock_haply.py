@@ -2,11 +2,13 @@
 
 usage: mock_haply.py FOLDER [KEY=VALUE]...
 
-It listens at a free port of 127.0.0.1 and writes the number to FOLDER/port, and what a client commands to FOLDER/log. Standard library
-only: the test shares no code with the driver.
+It listens at a free port of 127.0.0.1 and writes the number to FOLDER/port, and what a client commands to FOLDER/log. When it read no
+message for 0.08 s, because a client or this program stood still, FOLDER/pauses says for how long. Standard library only: the test shares
+no code with the driver.
 
   devices=ID,ID     identifiers in its list (default 049D)
-  z=METRES          the cursor's height; after FOLDER/go exists the hand goes down by press=METRES and back within 2 s
+  z=METRES          the cursor's height; after FOLDER/go exists the hand goes down by press=METRES within 1 s, and after FOLDER/back
+                    exists it comes up again within 1 s
   calibrated=0      says that the device is not calibrated, until FOLDER/calibrated exists
   speaks=http       answers the handshake with 404; speaks=nothing never answers it
   fault=MODE        once FOLDER/fault exists: slow (10 ms for each answer), silent, close, garbage, huge, nan, far, other (device), deep,
@@ -26,11 +28,12 @@ import time
 FOLDER = sys.argv[1]
 KEYS = dict(word.split("=", 1) for word in sys.argv[2:])
 GUID = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
-PRESS_S = 2.0
+WAY_S = 1.0
+PAUSE_S = 0.08  # a service is given up after 0.2 s, of which its client may have stood still for half
 
 
-def say(line):
-    with open(os.path.join(FOLDER, "log"), "a", encoding="utf-8") as log:
+def say(line, name="log"):
+    with open(os.path.join(FOLDER, name), "a", encoding="utf-8") as log:
         log.write(line + "\n")
 
 
@@ -38,16 +41,26 @@ def there(name):
     return os.path.exists(os.path.join(FOLDER, name))
 
 
+class Way:
+    """0 to 1 within WAY_S after a file exists."""
+
+    def __init__(self, name):
+        self.name, self.began = name, None
+
+    def share(self):
+        if self.began is None and there(self.name):
+            self.began = time.monotonic()
+        phase = 0 if self.began is None else min((time.monotonic() - self.began) / WAY_S, 1)
+        return (1 - math.cos(math.pi * phase)) / 2
+
+
 class Hand:
     def __init__(self):
-        self.began = None
+        self.goes, self.returns = Way("go"), Way("back")
 
     def height_m(self):
-        if self.began is None and there("go"):
-            self.began = time.monotonic()
-        phase = 0 if self.began is None else min((time.monotonic() - self.began) / PRESS_S, 1)
         press_m = float(KEYS.get("press", "0"))
-        return float(KEYS.get("z", "0.15")) - press_m * (1 - math.cos(2 * math.pi * phase)) / 2
+        return float(KEYS.get("z", "0.15")) - press_m * (self.goes.share() - self.returns.share())
 
 
 def frame(opcode, payload):
@@ -64,6 +77,7 @@ class Client:
         self.connection = connection
         self.stream = connection.makefile("rb")
         self.last, self.hand, self.dropped = "", Hand(), False
+        self.read_at = time.monotonic()
 
     def shake_hands(self):
         lines = iter(lambda: self.stream.readline().strip(), b"")
@@ -128,6 +142,12 @@ class Client:
             say(line)
         self.last = line
 
+    def note_pause(self):
+        pause_s = time.monotonic() - self.read_at
+        self.read_at += pause_s
+        if pause_s > PAUSE_S:
+            say(f"{pause_s:.3f}", "pauses")
+
     def serve(self):
         if KEYS.get("speaks") == "nothing":
             time.sleep(10)
@@ -135,6 +155,7 @@ class Client:
             return
         self.connection.sendall(frame(1, self.answer().encode()))
         while (text := self.receive()) is not None:
+            self.note_pause()
             self.obey(text)
             if self.fails("close"):
                 return

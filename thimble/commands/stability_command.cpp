@@ -141,7 +141,7 @@ void add_press(const StabilityArguments& a, Json& all) {
                     {"rest_is_stable", forecast.rest_is_stable},
                     {"pushed_through", forecast.pushed_through},
                     {"limit_cycle", cycle_of(forecast)},
-                    {"fold_N", given(fold_N)},
+                    {"fold_N", fold_N ? number(*fold_N) : Json(nullptr)},
                     {"friction_threshold_m", rubs ? number(least_m) : Json(nullptr)},
                     {"encoder_chatter_m", number(chatter_m)}};
 }

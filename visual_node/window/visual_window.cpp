@@ -107,10 +107,11 @@ WindowVisual::WindowVisual(const VisualSettings& settings, VisualWindowOptions o
       overlay_(std::move(options.overlay)),
       pages_(std::move(options.pages)),
       vibration_(make_vibration(settings, options.player)),
-      loop_({&window_, &display_, settings.pointer ? &hand_ : nullptr, overlay_.get(), beeper_.get(), &pages_,
-             settings.subject_goes_on && !options.player, subject_points_,
-             vibration_ ? &*vibration_ : nullptr, shows_beep(settings, beeper_.get()), hand_kind(settings)},
-            settings.smoothing, one_clock(sockets.settings())),
+      loop_(
+          {&window_, &display_, settings.pointer ? &hand_ : nullptr, overlay_.get(), beeper_.get(), &pages_,
+           settings.subject_goes_on && !options.player, subject_points_, vibration_ ? &*vibration_ : nullptr,
+           shows_beep(settings, beeper_.get()), hand_kind(settings), settings.position_scale},
+          settings.smoothing, one_clock(sockets.settings())),
       stale_(settings.stale),
       process_(instance, settings, sockets, display_, settings.pointer ? &hand_ : nullptr) {
     if (!options.screenshot.empty()) loop_.set_screenshot(options.screenshot);

@@ -230,7 +230,7 @@ std::optional<Scene> WindowLoop::scene_at(SessionTime now) {
     controls_.vibrate(now, scene);
     if (scene && scene->cut_away && hand_is_here()) {
         const HandInput hand = parts_.hand->hand();
-        if (hand.engaged) scene->cut_away->position_hand_m = kPositionScale * hand.position_hand_m;
+        if (hand.engaged) scene->cut_away->position_hand_m = parts_.position_scale * hand.position_hand_m;
     }
     return scene;
 }

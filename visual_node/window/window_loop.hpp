@@ -46,6 +46,7 @@ class WindowLoop {
         Vibration* vibration = nullptr;
         bool beep_shown = false;                // as a bright frame
         HandKind hand_kind = HandKind::kMouse;  // only this one moves the hand, and a gamepad
+        double position_scale = kPositionScale;
     };
     // `one_clock`: as in FrameTimes.
     WindowLoop(const Parts& parts, Duration smoothing, bool one_clock);

@@ -1,6 +1,8 @@
 // A libdhd.so.3 of our own with a scripted device behind it, which the real dlopen finds. The environment variable
 // THIMBLE_FAKE_DHD names its script: lines "key value", read when a caller asks how many devices there are. Keys
-// ending in _after count calls of dhdGetPosition; positions in metres. A button is down while the file `button_file`
+// ending in _after count calls of dhdGetPosition; positions in metres. The hand goes in by `press` metres
+// within 1000 of these calls and out within 1000 more, over and over. If the script names a file `back`, it
+// goes in and out once, and stays in until that file exists. A button is down while the file `button_file`
 // names exists. It writes what it was told to the file `log` names.
 #include <algorithm>
 #include <cmath>
@@ -15,19 +17,21 @@
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr long kWay_reads = 1000;
 constexpr int kTimeGuard = 1, kSaturated = 2;
 constexpr int kErrorCommunication = 2, kErrorInUse = 20, kErrorNotImplemented = 10;
 
 struct Device {
     std::map<std::string, std::string> script;
     long positions = 0;
+    long moves = 0;  // of the hand, at most one with each position
     int error = 0, opened = -1;
     bool forced = false;
     std::string last_force;
 
     void read_script() {
         script.clear();
-        positions = 0;
+        positions = moves = 0;
         error = 0;
         opened = -1;
         forced = false;
@@ -54,6 +58,15 @@ struct Device {
         return -1;
     }
     bool gone() const { return after("unplugged_after"); }
+    bool there(const char* key) const {
+        const auto file = script.find(key);
+        return file != script.end() && std::ifstream(file->second).good();
+    }
+    void move() {
+        const bool waits = moves == kWay_reads && !there("back"), is_out = moves == 2 * kWay_reads;
+        if (script.count("back") == 0 || (!waits && !is_out)) ++moves;
+    }
+    double turn() const { return kPi * static_cast<double>(moves) / kWay_reads; }
 };
 
 Device& device() {
@@ -97,9 +110,9 @@ void dhdGetSDKVersion(int* major, int* minor, int* release, int* revision) {
 int dhdGetPosition(double* x, double* y, double* z, char /*id*/) {
     Device& d = device();
     ++d.positions;
+    d.move();
     if (d.gone()) return d.fail(kErrorCommunication);
-    const double turn = 2 * kPi * static_cast<double>(d.positions) / 2000;
-    *x = d.number("x", 0) - d.number("press", 0) * (1 - std::cos(turn)) / 2;
+    *x = d.number("x", 0) - d.number("press", 0) * (1 - std::cos(d.turn())) / 2;
     *y = d.number("y", 0);
     *z = d.number("z", 0);
     if (d.after("garbled_after")) *y = std::numeric_limits<double>::quiet_NaN();
@@ -107,8 +120,7 @@ int dhdGetPosition(double* x, double* y, double* z, char /*id*/) {
     return d.after("stalled_after") ? kTimeGuard : 0;
 }
 int dhdGetLinearVelocity(double* x, double* y, double* z, char /*id*/) {
-    const double turn = 2 * kPi * static_cast<double>(device().positions) / 2000;
-    *x = -device().number("press", 0) * std::sin(turn) / 2 * 2 * kPi / 2;
+    *x = -device().number("press", 0) * std::sin(device().turn()) / 2 * 2 * kPi / 2;
     *y = *z = 0;
     return device().gone() ? -1 : 0;
 }
@@ -156,9 +168,7 @@ const char* dhdErrorGetStr(int code) {
 int dhdGetButton(int index, char /*id*/) {
     const Device& d = device();
     if (index >= d.number("buttons", 1)) return -1;
-    const auto file = d.script.find("button_file");
-    const bool down = file != d.script.end() && std::ifstream(file->second).good();
-    return down || d.after("pressed_after") ? 1 : 0;
+    return d.there("button_file") || d.after("pressed_after") ? 1 : 0;
 }
 int dhdEnableExpertMode() { return 0; }
 int dhdDisableExpertMode() { return 0; }

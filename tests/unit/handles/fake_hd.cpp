@@ -1,7 +1,8 @@
 // A libHD.so of our own with a scripted stylus behind it, which the real dlopen finds. THIMBLE_FAKE_HD names its
 // script: lines "key value", read when a device is opened. A fault begins once the file `fault` names exists. The
-// scheduler is a thread that calls each millisecond. After the file `go` names exists, the hand goes in along -z by
-// `press` metres and out again within 2 s. It writes its orders to the file `log` names.
+// scheduler is a thread that calls each millisecond. Once the file `go` names exists, the hand goes in along
+// -z by `press` metres within 1 s. Once the file `back` names exists, it comes out again within 1 s. It writes
+// its orders to the file `log` names. When it did not call for 0.15 s, the file `pauses` names says how long.
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -18,8 +19,12 @@
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kPi = 3.14159265358979323846, kPress_s = 2;
+constexpr double kPi = 3.14159265358979323846, kWay_s = 1, kPause_s = 0.15;
 constexpr unsigned kNone = 0xffffffffU, kCommunication = 0x0302, kWarm = 0x0200, kFast = 0x0203;
+
+double passed_s(Clock::time_point since) {
+    return std::chrono::duration<double>(Clock::now() - since).count();
+}
 
 struct Device {
     std::map<std::string, std::string> script;
@@ -30,14 +35,14 @@ struct Device {
     std::thread servo;
     std::mutex logging;
     std::string last_force;
-    Clock::time_point began{};
+    Clock::time_point went_in{}, came_out{};
 
     void read_script() {
         script.clear();
         error = 0;
         warned = false;
         last_force.clear();
-        began = {};
+        went_in = came_out = {};
         const char* path = std::getenv("THIMBLE_FAKE_HD");
         std::ifstream file(path == nullptr ? "" : path);
         std::string key, value;
@@ -58,14 +63,20 @@ struct Device {
     }
     bool there(const char* key) const { return std::ifstream(text(key)).good(); }
     bool fails(const char* mode) const { return text("mode") == mode && there("fault"); }
-    double depth_m() {
-        if (began == Clock::time_point{} && there("go")) began = Clock::now();
+    // 0 to 1 within kWay_s after the file exists.
+    double way(Clock::time_point& began, const char* key) {
+        if (began == Clock::time_point{} && there(key)) began = Clock::now();
         if (began == Clock::time_point{}) return 0;
-        const double passed_s = std::chrono::duration<double>(Clock::now() - began).count();
-        return number("press", 0) * (1 - std::cos(2 * kPi * std::fmin(passed_s / kPress_s, 1))) / 2;
+        return (1 - std::cos(kPi * std::fmin(passed_s(began) / kWay_s, 1))) / 2;
+    }
+    double depth_m() { return number("press", 0) * (way(went_in, "go") - way(came_out, "back")); }
+    void note_pause(double pause_s) {
+        if (pause_s > kPause_s) std::ofstream(text("pauses"), std::ios::app) << pause_s << '\n';
     }
     void run() {
-        while (running) {
+        for (Clock::time_point called = Clock::now(); running;) {
+            note_pause(passed_s(called));
+            called = Clock::now();
             if (!fails("stalled") && callback != nullptr && callback(user) == 0) callback = nullptr;
             std::this_thread::sleep_for(std::chrono::milliseconds{1});
         }

@@ -45,6 +45,14 @@ TEST(SystemSettings, TheWindowOfTheGuardAloneIsForARealHandle) {
     EXPECT_EQ(settings_of(window + "[handle]\ndevice = 'falcon'").master.guard.energy_limit_J, 0.5);
     EXPECT_EQ(settings_of(window + "[handle]\ndevice = 'force-dimension'").master.guard.energy_limit_J, 0.5);
     EXPECT_THAT(session_refusal(window), HasSubstr("has an effect with energy_limit_J only"));
+    // What a slow master would lose between two samples.
+    EXPECT_THAT(session_refusal("[guard]\nenergy_limit_J = 0.1\nenergy_window_s = 0.0195\n[master]\n"
+                                "sample_period_s = 0.01\n"),
+                HasSubstr("energy_window_s"));
+    for (const char* node : {"cutaneous", "visual"})
+        EXPECT_THAT(session_refusal(
+                        fmt::format("[master]\nsample_period_s = 0.01\n[{}]\nstale_after_s = 0.005\n", node)),
+                    HasSubstr(fmt::format("'{}.stale_after_s' lets each force go stale", node)));
 }
 
 // Keys of several types, lists of tables, and every session that comes with the program.
@@ -113,8 +121,14 @@ TEST(SessionPlan, ATraceOfDelaysAllowsNoOther) {
         return load_system_settings(folder / "session.toml");
     };
     const std::string trace = "[netem.force]\ntrace = 'path.csv'\n";
-    EXPECT_EQ(read(trace).plan.delays.size(), 1U);
+    EXPECT_THAT(read(trace).plan.delays, ElementsAre(milliseconds{15})) << "the mean of its rows";
+    EXPECT_THAT(read(trace + "trace_between = 'linear'\ntrace_end = 'hold'\n").plan.delays,
+                ElementsAre(std::chrono::microseconds{17'500}));
+    EXPECT_THAT(read(trace + "delay_s = 0.02\n").plan.delays, ElementsAre(milliseconds{20}));
     EXPECT_THROW(read(trace + "[session]\ndelays_s = [0.05]\n"), Error);
+    EXPECT_EQ(with_force_delay(read(trace), milliseconds{15}).netem.force.delay, milliseconds{15});
+    EXPECT_THAT(refusal([&] { with_force_delay(read(trace), milliseconds{50}); }, ExitCode::kUsage),
+                AllOf(HasSubstr("a delay of 0.05 s"), HasSubstr("name 0.015 s alone")));
 }
 
 TEST(SessionPlan, AUsersTrialsAreDelaysTimesModalitiesTimesNumber) {

@@ -31,6 +31,14 @@ TEST(SlaveSettings, OwnTablesChangeThePapersScene) {
     EXPECT_EQ(s.longest_step, Duration{std::chrono::milliseconds(200)});
 }
 
+TEST(SlaveSettings, AContactOutlivesTheLongestTimeBetweenTwoCommands) {
+    const std::string rare =
+        "[codec]\ncommand = 'deadband'\nrefresh_s = 0.15\n[slave_sim]\nstale_after_s = 0.5\n";
+    EXPECT_EQ(settings_of(rare).longest_step, Duration{std::chrono::milliseconds(300)});
+    EXPECT_THAT(refusal([&] { settings_of(rare + "longest_step_s = 0.15\n"); }, ExitCode::kUsage),
+                testing::HasSubstr("ends each contact"));
+}
+
 TEST(SlaveSettings, AnotherSceneAndAnotherSolver) {
     const SlaveSettings s =
         settings_of("[slave_sim]\nscene = 'vessel.toml'\nsolver = 'rk4'\nsolver_step_s = 1e-4\n");

@@ -71,6 +71,12 @@ double measured_threshold_m(const SampledLoop& loop, double friction_N, double f
     return rubbed_from(loop, high_m, friction_N).steady_m;
 }
 
+TEST(PressFold, IsInfiniteForACycleWithoutEnd) {
+    const auto fold_N = press_fold_N({{0.25, 0.05, 500}, 9000, 0.05, 12, 0});
+    ASSERT_TRUE(fold_N);
+    EXPECT_TRUE(std::isinf(*fold_N)) << *fold_N;
+}
+
 // The greatest press with which the loop at the wall still cycles, pressed harder and harder by rise_N_per_s from half of the limit.
 double measured_press_fold_N(const LoopConditions& conditions, double rise_N_per_s) {
     constexpr double kSwinging_s = 3, kKept_s = 1;

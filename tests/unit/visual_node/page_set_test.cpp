@@ -90,6 +90,8 @@ TEST(PageSet, MistakesAreNamed) {
     EXPECT_THAT(pages_refusal(std::string(kForm) + "id = 'q'\ntext = 'x'\nkind = 'likert'\nto = 40\n"),
                 HasSubstr("2 to 9 points"));
     EXPECT_THAT(pages_refusal(std::string(kForm) + "id = 'q'\ntext = 'x'\nstep = 7\n"), HasSubstr("divide"));
+    EXPECT_THAT(pages_refusal(std::string(kForm) + "id = 'q'\ntext = 'x'\nkind = 'likert'\nfrom = 0\n"),
+                HasSubstr("has no effect"));
 }
 
 TEST(PageSet, AScriptFromRightToLeftIsRefusedWithAReason) {

@@ -58,5 +58,14 @@ TEST(RecordingDisplay, ShowsEachFrameOnceOldestFirstAndDropsWhatItCannotHold) {
     EXPECT_EQ(display.shown_total(), 2U);
 }
 
+TEST(RecordingDisplay, HasRoomForAllThatASlowScreenHasOnItsWay) {
+    VisualSettings fast;
+    fast.refresh_Hz = 1000;
+    fast.pipeline = std::chrono::seconds{1};
+    RecordingDisplay display(fast);
+    for (int i = 0; i < 1000; ++i) display.draw(at(milliseconds{i}), scene(i));
+    EXPECT_EQ(display.dropped_total(), 0U);
+}
+
 }  // namespace
 }  // namespace thimble
