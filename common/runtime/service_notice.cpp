@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -12,6 +14,9 @@
 
 namespace thimble {
 namespace {
+
+// Linux queues eleven datagrams, and counts 768 bytes or more for each.
+constexpr int kMostUnread_bytes = 2048;
 
 // 0 if it is no number.
 std::int64_t number(const std::string& text) { return parse_whole<std::int64_t>(text).value_or(0); }
@@ -53,7 +58,12 @@ void ServiceNotice::open(const std::string& socket, Duration watchdog) {
 void ServiceNotice::turns(SessionTime now) {
     if (period_ == Duration::zero() || now < next_) return;
     next_ = now + period_;
-    say("WATCHDOG=1");
+    if (leaves_room()) say("WATCHDOG=1");
+}
+
+bool ServiceNotice::leaves_room() const {
+    int unread_bytes = 0;
+    return ioctl(socket_, SIOCOUTQ, &unread_bytes) != 0 || unread_bytes < kMostUnread_bytes;
 }
 
 void ServiceNotice::say(std::string_view word) const {

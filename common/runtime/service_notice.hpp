@@ -23,10 +23,12 @@ class ServiceNotice : boost::noncopyable {
     void ready() { say("READY=1"); }
     void stopping() { say("STOPPING=1"); }
     // Reports that the loop is alive, at most twice per watchdog period. Call it often; it never blocks.
+    // A manager that reads nothing is told two or three times, so that its queue keeps room for stopping().
     void turns(SessionTime now);
 
   private:
     void open(const std::string& socket, Duration watchdog);
+    bool leaves_room() const;
     void say(std::string_view word) const;
 
     int socket_ = -1;

@@ -8,10 +8,14 @@
 
 #include "common/process/child.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "tests/unit/views/played_session.hpp"
 #include "tests/views/fake_session.hpp"
 #include "tests/views/pixels.hpp"
 #include "tests/window/virtual_screen.hpp"
 #include "visual_node/views/experimenter_panels.hpp"
+#include "visual_node/views/order_sender.hpp"
+#include "visual_node/window/cutaway.hpp"
+#include "visual_node/window/gui_layer.hpp"
 
 namespace thimble {
 namespace {
@@ -43,12 +47,36 @@ class ExperimenterView : public OnAScreen {
     bool asked(OrderKind kind, int count = 1) {
         return wait_until([&] { return session_->count(kind) >= count; });
     }
+    // Until the view has seen all keys and clicks so far, and has drawn a few frames since. It says this
+    // order five times, 50 ms apart. Only a view that hears a session says it.
+    bool handled() {
+        const int before = session_->count(OrderKind::kRepeat);
+        return screen_->type("r") && asked(OrderKind::kRepeat, before + kUnseenOrderTimes);
+    }
+    // Until the view hears its first session: before, no trial is there to be excluded.
+    bool hears() {
+        return wait_until(
+                   [this] { return screen_->type("xy") && session_->count(OrderKind::kExclude) > 0; }) &&
+               handled();
+    }
+    // The session goes, until the view has missed it for longer than kMonitorSilence. The view calls a silent
+    // session's port ten times a second at most: so many calls take 0.9 s of its own time.
+    bool falls_silent() {
+        session_.reset();
+        const auto port = listen_at(ports_.base() + static_cast<unsigned>(Port::kSessionOrders));
+        int calls = 0;
+        return wait_until([&] {
+            while (!port->receive().empty()) ++calls;
+            return calls >= 10;
+        });
+    }
+    // Until the view has seen the click.
     void click_control(int row, int column, int columns) {
         const Rect cell = control_cell(experimenter_layout(800, 600, 1).controls, 1, row, column, columns);
         ASSERT_TRUE(screen_->click(static_cast<int>(cell.x + cell.width / 2),
                                    static_cast<int>(cell.y + cell.height / 2)));
+        ASSERT_TRUE(handled());
     }
-    static void pass(double seconds) { wall_sleep(from_seconds(seconds)); }
 
     PortBlock ports_;
     std::optional<Folder> folder_;
@@ -97,19 +125,44 @@ bool shows_every_period(const Image& image, const Rect& box) {
     return all;
 }
 
-TEST_F(ExperimenterView, ShowsTheFixtureAtItsPlaceAndTheOscillationWhole) {
-    const Rect box = plot_box(experimenter_layout(800, 600, 1).plots[1], 1);
-    Image image;
-    // Where the machine stalls, the line has a gap. Then another picture is taken.
-    EXPECT_TRUE(wait_until([&] {
-        begin(kDemonstrationContact_s + 1);
-        pass(2);
-        image = end();
-        return image.width == 800 && !alarmed(image) && shows_every_period(image, box);
-    }));
+// The same panels in this process, after 2 s of the demonstration by a clock of their own. Where a machine
+// stalls, no curve has a gap.
+Image panels_by_their_own_clock() {
+    PlayedViewSession session;
+    ExperimenterPanels panels(5, session.channels());
+    GlWindow window({.title = "Thimble, panels under test", .vsync = false, .content_scale = 1});
+    GuiLayer gui(window);
+    SessionTime now{};
+    for (int ms = 4; ms <= 2000; ms += 4) {
+        now = at(std::chrono::milliseconds{ms});
+        session.monitor = demonstration(kDemonstrationContact_s + 1 + to_seconds(now - SessionTime{}));
+        session.say(now);
+        panels.tick(now);
+    }
+    window.begin_frame(kBlack);
+    gui.begin();
+    panels.draw(now, {window, nullptr});
+    gui.end();
+    return window.read_pixels();
+}
+
+TEST_F(ExperimenterView, ShowsTheFixtureAtItsPlace) {
+    begin(kDemonstrationContact_s + 1);
+    ASSERT_TRUE(hears());
+    const Image image = end();
     ASSERT_EQ(image.width, 800);
     ASSERT_EQ(image.height, 600);
+    EXPECT_FALSE(alarmed(image));
     expect_fixture_at_its_place(image, 1);
+}
+
+TEST_F(ExperimenterView, ShowsTheOscillationWhole) {
+    const Rect box = plot_box(experimenter_layout(800, 600, 1).plots[1], 1);
+    const Image image = panels_by_their_own_clock();
+    ASSERT_EQ(image.width, 800);
+    ASSERT_EQ(image.height, 600);
+    EXPECT_FALSE(alarmed(image));
+    EXPECT_TRUE(shows_every_period(image, box));
     // Before the view started there is nothing, and no line to it.
     EXPECT_EQ(reach(image, box, kBluishGreen, static_cast<int>(box.x), static_cast<int>(box.x) + 100).second,
               -1);
@@ -117,20 +170,16 @@ TEST_F(ExperimenterView, ShowsTheFixtureAtItsPlaceAndTheOscillationWhole) {
 
 TEST_F(ExperimenterView, SaysInRedThatTheSessionIsSilentAndHearsTheNextOne) {
     begin();
-    ASSERT_TRUE(screen_->type("p"));
-    ASSERT_TRUE(asked(OrderKind::kPause));
-    session_.reset();
-    pass(1.5);
+    ASSERT_TRUE(hears());
+    ASSERT_TRUE(falls_silent());
     session_.emplace(ports_.base(), ++sessions_, 4);  // another one
-    pass(1);                                          // both agree on keys: 0.3 s of silence, and a moment
-    ASSERT_TRUE(screen_->type("p"));                  // it is not paused, and the view has seen that
-    pass(1);
+    // The view asks only a session that it has seen paused to go on. The one before never was.
+    EXPECT_TRUE(screen_->press_until("p", [this] { return session_->count(OrderKind::kResume) > 0; }));
+    EXPECT_TRUE(handled());
     EXPECT_FALSE(alarmed(end()));
-    EXPECT_GT(session_->count(OrderKind::kPause) + session_->count(OrderKind::kResume), 0);
     begin();
-    pass(0.5);
-    session_.reset();
-    pass(1);
+    ASSERT_TRUE(hears());
+    ASSERT_TRUE(falls_silent());
     const Image silent = end();
     EXPECT_TRUE(alarmed(silent));
     expect_fixture_at_its_place(silent, 1);  // what was known last stays, and its age stands beside it
@@ -138,77 +187,67 @@ TEST_F(ExperimenterView, SaysInRedThatTheSessionIsSilentAndHearsTheNextOne) {
 
 TEST_F(ExperimenterView, EveryKeyAsksTheSession) {
     begin();
+    ASSERT_TRUE(hears());
     ASSERT_TRUE(screen_->type("8"));
     ASSERT_TRUE(asked(OrderKind::kNetwork));
     EXPECT_EQ(session_->last(OrderKind::kNetwork)->network.view(), "leo");
-    pass(0.1);  // until its delay shows
     ASSERT_TRUE(screen_->press("Right"));
     ASSERT_TRUE(asked(OrderKind::kDelay));
     EXPECT_TRUE(
         wait_until([&] { return std::abs(session_->last(OrderKind::kDelay)->value - 0.023) < 1e-9; }));
     ASSERT_TRUE(screen_->type("p"));
     EXPECT_TRUE(asked(OrderKind::kPause));
-    pass(0.3);
-    ASSERT_TRUE(screen_->type("p"));
-    EXPECT_TRUE(asked(OrderKind::kResume));
-    ASSERT_TRUE(screen_->type("r"));
-    EXPECT_TRUE(asked(OrderKind::kRepeat, 5));
+    // A view that has not yet seen the pause asks for it again.
+    EXPECT_TRUE(screen_->press_until("p", [this] { return session_->count(OrderKind::kResume) > 0; }));
+    EXPECT_TRUE(handled());
     EXPECT_EQ(session_->last(OrderKind::kRepeat)->trial, 4U);
+    const int excluded = session_->count(OrderKind::kExclude);
     ASSERT_TRUE(screen_->type("xnxy"));
-    EXPECT_TRUE(asked(OrderKind::kExclude, 5));
+    EXPECT_TRUE(asked(OrderKind::kExclude, excluded + 5));
     ASSERT_TRUE(screen_->type("e"));
     EXPECT_TRUE(asked(OrderKind::kEndTrial));
-    pass(0.3);
     ASSERT_TRUE(screen_->type("4s"));
     ASSERT_TRUE(asked(OrderKind::kStart));
     EXPECT_EQ(session_->last(OrderKind::kStart)->modality, Modality::kVF);
-    pass(0.5);
-    EXPECT_EQ(session_->count(OrderKind::kExclude), 5);  // the one that was answered with No was never sent
+    // The one that was answered with No was never sent: its key came long before that of the start.
+    EXPECT_EQ(session_->count(OrderKind::kExclude), excluded + 5);
     EXPECT_FALSE(alarmed(end()));
 }
 
 TEST_F(ExperimenterView, ButtonsAndSliderAskTheSession) {
     begin();
+    ASSERT_TRUE(hears());
     click_control(kSliderRow, 0, 1);
     ASSERT_TRUE(asked(OrderKind::kDelay));
     EXPECT_NEAR(session_->last(OrderKind::kDelay)->value, 0.25, 0.02);
     click_control(kNetworkRow + 1, 2, kNetworksPerRow);
-    EXPECT_TRUE(wait_until([&] {
-        const auto network = session_->last(OrderKind::kNetwork);
-        return network && network->network.view() == "geo";
-    }));
-    // A machine that stalls may show the view two clicks at once. The user sees that, and clicks again.
-    EXPECT_TRUE(wait_until([&] {
-        click_control(kModalityRow, 1, 4);
-        click_control(kTrialRow, 0, 3);
-        const auto start = session_->last(OrderKind::kStart);
-        return start && start->modality == Modality::kCF;
-    }));
+    ASSERT_TRUE(asked(OrderKind::kNetwork));
+    EXPECT_EQ(session_->last(OrderKind::kNetwork)->network.view(), "geo");
+    click_control(kModalityRow, 1, 4);
+    click_control(kTrialRow, 0, 3);
+    ASSERT_TRUE(asked(OrderKind::kStart));
+    EXPECT_EQ(session_->last(OrderKind::kStart)->modality, Modality::kCF);
+    const int excluded = session_->count(OrderKind::kExclude);
     click_control(kAfterRow, 1, 3);  // Exclude, which asks
-    pass(0.5);
-    EXPECT_EQ(session_->count(OrderKind::kExclude), 0);
+    EXPECT_EQ(session_->count(OrderKind::kExclude), excluded);
     const Rect question{190, 258, 420, 84};
     const Rect yes = control_cell(question, 1, 1, 0, 2);
-    EXPECT_TRUE(wait_until([&] {  // the question may show late, or, after a stall, not at all
-        const bool clicked = screen_->click(static_cast<int>(yes.x + 20), static_cast<int>(yes.y + 10));
-        pass(0.3);
-        if (session_->count(OrderKind::kExclude) == 0) click_control(kAfterRow, 1, 3);
-        pass(0.3);
-        return clicked && session_->count(OrderKind::kExclude) > 0;
-    }));
+    ASSERT_TRUE(screen_->click(static_cast<int>(yes.x + 20), static_cast<int>(yes.y + 10)));
+    EXPECT_TRUE(asked(OrderKind::kExclude, excluded + 5));
 }
 
 TEST_F(ExperimenterView, SaysThatTheSessionDoesNotAnswer) {
     begin();
+    ASSERT_TRUE(hears());
     session_->obey(false);
-    ASSERT_TRUE(screen_->type("p"));
-    ASSERT_TRUE(asked(OrderKind::kPause, 20));
-    pass(2.5);
-    EXPECT_LE(session_->count(OrderKind::kPause), 41);
     session_->fail(
         "drive 3 (acting hand, index, cable 2): EMCY 0x2310 (over-current); remove the cause, then start "
         "again");
-    pass(0.3);
+    ASSERT_TRUE(screen_->type("p"));
+    // More than one: a slow view repeats it more rarely than each 50 ms. The device's words have come before.
+    ASSERT_TRUE(asked(OrderKind::kPause, 2));
+    wall_sleep(kOrderPatience);  // by the view's clock, which is this one: whoever is slow has waited as long
+    EXPECT_LE(session_->count(OrderKind::kPause), 41);
     const Image image = end();
     EXPECT_TRUE(alarmed(image));
     // The device's words, black on red, over the top of the cut-away view and no more.
@@ -219,8 +258,9 @@ TEST_F(ExperimenterView, SaysThatTheSessionDoesNotAnswer) {
 
 TEST_F(ExperimenterView, ListsEveryKey) {
     begin();
+    ASSERT_TRUE(hears());
     ASSERT_TRUE(screen_->type("?"));
-    pass(0.5);
+    ASSERT_TRUE(handled());
     const Image image = end();
     // The list stands in the middle, its keys in orange, one below the other.
     int lines = 0, before = 0;
@@ -234,14 +274,15 @@ TEST_F(ExperimenterView, ListsEveryKey) {
 
 TEST_F(ExperimenterView, FollowsTheWindowsSizeAndTheMonitorsScale) {
     begin();
+    ASSERT_TRUE(hears());
     ASSERT_TRUE(screen_->resize(1100, 700));
-    pass(0.7);
+    ASSERT_TRUE(handled());
     const Image resized = end();
     ASSERT_EQ(resized.width, 1100);
     ASSERT_EQ(resized.height, 700);
     expect_fixture_at_its_place(resized, 1);
     begin(4, {"--width", "600", "--height", "480", "--scale", "2"});
-    pass(0.7);
+    ASSERT_TRUE(hears());
     const Image twice = end();
     ASSERT_EQ(twice.width, 1200);
     ASSERT_EQ(twice.height, 960);

@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "common/runtime/wall_clock.hpp"
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
 #include "tests/window/virtual_screen.hpp"
@@ -14,7 +13,6 @@
 namespace thimble {
 namespace {
 
-using std::chrono::milliseconds;
 using testing::HasSubstr;
 
 constexpr const char* kProgram = THIMBLE_BIN_DIR "/thimble-visual";
@@ -33,16 +31,36 @@ TEST(WindowProgram, RefusesToStartWithoutScreen) {
     EXPECT_THAT(read_text(folder / "log"), HasSubstr("no screen: DISPLAY and WAYLAND_DISPLAY are not set"));
 }
 
-using WindowProgramOnAScreen = OnAScreen;
+class WindowProgramOnAScreen : public OnAScreen {
+  protected:
+    // Until the program has drawn so many frames: each F12 saves the next one to --screenshot.
+    bool draws(int frames) {
+        if (!screen_->wait_for_window("Thimble")) return false;
+        for (int frame = 1; frame <= frames; ++frame) {
+            if (!screen_->press("F12") || !wait_until([&] { return count_saved() >= frame; })) return false;
+        }
+        return true;
+    }
+    std::string picture() const { return (screen_->folder() / "last.png").string(); }
+
+  private:
+    int count_saved() const {
+        const std::string words = read_text(screen_->folder() / "log"), saved = "picture saved";
+        int count = 0;
+        for (auto at = words.find(saved); at != std::string::npos; at = words.find(saved, at + 1)) ++count;
+        return count;
+    }
+};
 
 TEST_F(WindowProgramOnAScreen, ReportsItsFramesAndEndsBySignal) {
     const auto report = screen_->folder() / "report.json";
     const PortBlock ports;
     Child visual(kProgram,
-                 {"--role", "player", "--base-port", std::to_string(ports.base()), "--report", report},
+                 {"--role", "player", "--base-port", std::to_string(ports.base()), "--report", report,
+                  "--screenshot", picture()},
                  screen_->folder() / "log");
     ASSERT_TRUE(wait_for_words(screen_->folder() / "log", "ready"));
-    wall_sleep(milliseconds{500});
+    ASSERT_TRUE(draws(3)) << visual.last_lines();
     visual.signal(SIGTERM);
     ASSERT_EQ(visual.wait(kPatience), 0) << visual.last_lines();
     const auto json = nlohmann::json::parse(read_text(report));
@@ -51,16 +69,29 @@ TEST_F(WindowProgramOnAScreen, ReportsItsFramesAndEndsBySignal) {
     EXPECT_EQ(json["window"]["hand_to_swap"]["count"], 0);  // no trial
 }
 
+// The node calls its session, which is not there, ten times a second at most.
+bool goes_on(UdpChannel& session) {
+    while (!session.receive().empty()) continue;
+    int calls = 0;
+    return wait_until([&] {
+        while (!session.receive().empty()) ++calls;
+        return calls >= 4;
+    });
+}
+
 TEST_F(WindowProgramOnAScreen, OutlivesItsScreen) {
     const auto report = screen_->folder() / "report.json";
     const PortBlock ports;
-    Child visual(kProgram, {"--window", "--base-port", std::to_string(ports.base()), "--report", report},
+    const auto session = listen_at(ports.base() + static_cast<unsigned>(Port::kSessionVisual));
+    Child visual(kProgram,
+                 {"--window", "--base-port", std::to_string(ports.base()), "--report", report, "--screenshot",
+                  picture()},
                  screen_->folder() / "log");
     ASSERT_TRUE(wait_for_words(screen_->folder() / "log", "ready"));
-    wall_sleep(milliseconds{300});
+    ASSERT_TRUE(draws(1)) << visual.last_lines();
     screen_->kill();
     EXPECT_TRUE(wait_for_words(screen_->folder() / "log", "the program continues"));
-    wall_sleep(milliseconds{300});
+    EXPECT_TRUE(goes_on(*session)) << "it has ended: " << visual.last_lines();
     EXPECT_FALSE(visual.poll()) << "it has ended: " << visual.last_lines();
     visual.signal(SIGTERM);
     EXPECT_EQ(visual.wait(kPatience), 0) << visual.last_lines();

@@ -137,8 +137,8 @@ TEST(Ros2Slave, MovesTheNeedleIsFeltAndBearsAHostileRobotUntilItDies) {
 
 TEST(Ros2Slave, AnEmergencyStopHoldsItWhereItIs) {
     PlayedRobot robot;
-    // Slow enough that a stop which came late would show: it is 0.3 s from the stop to deepest_m.
-    RealRun run(with_robot("[slave_sim.ros2]\ndeepest_m = 0.03\nspeed_limit_m_per_s = 0.05\n"));
+    // So slow that a busy machine may take 2 s to hold it. From the stop to deepest_m it is 3 s.
+    RealRun run(with_robot("[slave_sim.ros2]\ndeepest_m = 0.03\nspeed_limit_m_per_s = 0.005\n"));
     insert(robot, run);
     const double stop_m = robot.place_m;
     run.launcher().signal(SIGQUIT);

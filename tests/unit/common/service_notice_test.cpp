@@ -39,6 +39,19 @@ TEST(ServiceNotice, TheWatchdogHearsTwicePerPeriodAndNotMoreAndNothingWithoutOne
     }
 }
 
+TEST(ServiceNotice, SignsOfLifeThatNobodyReadsLeaveRoomForTheEnd) {
+    const NotifySocket manager(abstract_name());
+    ServiceNotice notice(abstract_name(), milliseconds{2});
+    notice.ready();
+    for (int at_ms = 1; at_ms < 100; ++at_ms) notice.turns(SessionTime{milliseconds{at_ms}});
+    notice.stopping();
+    const std::string heard = manager.heard();
+    EXPECT_TRUE(heard.starts_with("READY=1\nWATCHDOG=1\n")) << heard;
+    EXPECT_TRUE(heard.ends_with("WATCHDOG=1\nSTOPPING=1\n")) << heard;
+    notice.turns(SessionTime{milliseconds{100}});
+    EXPECT_EQ(manager.heard(), "WATCHDOG=1\n") << "who has read hears again";
+}
+
 TEST(ServiceNotice, ReadsTheEnvironment) {
     const NotifySocket manager(abstract_name());
     setenv("NOTIFY_SOCKET", abstract_name().c_str(), 1);
