@@ -5,10 +5,14 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <iterator>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "common/error.hpp"
 #include "session/log/logged_file.hpp"
 
 namespace thimble {
@@ -27,6 +31,35 @@ inline std::string role_of(const LoggedFile& file) {
     if (name.starts_with(kPrefix)) name.erase(0, kPrefix.size());
     std::replace(name.begin(), name.end(), '-', '_');
     return name;
+}
+
+// "out/run/nodes/50ms_trial02" of a log in lock-step, where instances are always the same, and sequences and clock begin anew with
+// each trial. Empty: by the wall clock, or without the name that Thimble gave.
+inline std::string lock_step_trial(const LoggedFile& file) {
+    const std::string stem = file.path().stem().string();
+    const std::size_t unit = stem.rfind("ms_trial"), delay = stem.rfind('_', unit);
+    const bool named = unit != std::string::npos && delay != std::string::npos;
+    if (!named || file.value("thimble", "monotonic_ns") != "0") return {};
+    const std::filesystem::path path = std::filesystem::absolute(file.path()).lexically_normal();
+    const std::size_t end = stem.find_first_not_of("0123456789", unit + std::string_view("ms_trial").size());
+    return (path.parent_path() / stem.substr(delay + 1, end - delay - 1)).string();
+}
+
+// Throws Error (usage) for logs of several trials in lock-step, which have no clock in common.
+inline void require_one_trial(const std::vector<std::unique_ptr<LoggedFile>>& files) {
+    const LoggedFile* first = nullptr;
+    for (const auto& file : files) {
+        const std::string trial = lock_step_trial(*file);
+        if (trial.empty()) continue;
+        if (first == nullptr) first = file.get();
+        const std::filesystem::path own = lock_step_trial(*first);
+        if (trial != own)
+            throw Error(ExitCode::kUsage,
+                        "{} and {} are of different trials, and in lock-step each begins at 0 s: name the "
+                        "logs of one, such as {}",
+                        first->path().string(), file->path().string(),
+                        (first->path().parent_path() / ("*_" + own.filename().string() + ".mcap")).string());
+    }
 }
 
 struct MergedMessage {
@@ -81,8 +114,9 @@ class ClockOffsets {
     std::vector<Point> points_;  // in the order of time
 };
 
-// All of them, in memory as views of the files, which outlive them.
+// All of them, in memory as views of the files, which outlive them. Throws Error as require_one_trial().
 inline std::vector<MergedMessage> merge_logs(const std::vector<std::unique_ptr<LoggedFile>>& files) {
+    require_one_trial(files);
     std::vector<MergedMessage> all;
     std::size_t count = 0;
     for (const auto& file : files) count += file->scan().messages;

@@ -170,6 +170,7 @@ int share(const LogArguments& a) {
         throw Error(ExitCode::kUsage,
                     "name the output: --csv FOLDER, --hdf5 FILE, --json FILE or --ros2 FILE");
     const LoggedFiles files = open_logs(a.files);
+    if (!a.json.empty() || !a.ros2.empty()) require_one_trial(files);  // before anything is written
     if (!a.csv.empty()) say(a, fmt::format("{}: {} tables", a.csv, export_csv(files, a.csv, a.topic)));
     if (!a.hdf5.empty()) say(a, fmt::format("{}: {} tables", a.hdf5, export_hdf5(files, a.hdf5, a.topic)));
     if (!a.json.empty()) export_json(a, files);
@@ -203,7 +204,7 @@ Subcommand add_log(CLI::App& app) {
     log->footer(
         "Examples:\n  thimble log info out/run/nodes/session_50ms.mcap\n  thimble log check "
         "out/run/nodes/*_50ms.mcap\n\n"
-        "Exit codes: 0 good, 5 a log cannot be read or trusted.");
+        "Exit codes: 0 good, 1 not written, 2 usage, 5 a log cannot be read or trusted.");
     add_part(*log, a, show_info, "info", "show the contents of a log: programs, topics, counts, times",
              "thimble log info out/run/nodes/session_50ms.mcap");
     CLI::App* cat = add_part(*log, a, show_messages, "cat",

@@ -219,9 +219,10 @@ Ros2Written export_ros2(const LoggedFiles& files, const std::filesystem::path& p
     for (const auto& file : files)
         clocks.try_emplace(file.get(), *file, session, ClockOffsets(files, *file).known());
     const CopyChoice choice(files);
+    const std::vector<MergedMessage> messages = merge_logs(files);  // or an Error, before there is a file
     Ros2Export to(path);
     std::vector<std::uint64_t> aligned;
-    for (const MergedMessage& m : merge_logs(files)) {
+    for (const MergedMessage& m : messages) {
         Bytes packet;
         if (!m.topic->topic.starts_with(topic) || !m.topic->readable || !choice.counts(*m.topic)) continue;
         if (!verify_packet(m.message.data, aligned, packet)) continue;

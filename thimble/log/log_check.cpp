@@ -217,6 +217,15 @@ bool have_one_clock(const std::vector<std::unique_ptr<LoggedFile>>& files) {
     });
 }
 
+void add_flows(Flows& flows, bool one_clock, std::map<std::string, FlowFinding>& by_topic) {
+    for (auto& [key, ends] : flows) {
+        if (ends.sent.empty() || ends.receivers.empty()) continue;
+        FlowFinding& sum = by_topic[key.first];
+        sum.topic = key.first;
+        compare(ends, sum, one_clock);
+    }
+}
+
 // In the order of the report's links.
 constexpr std::array<std::string_view, 4> kRelayedTopics{
     "/master/needle_command", "/slave_sim/force_feedback/master", "/slave_sim/force_feedback/cutaneous",
@@ -256,17 +265,13 @@ FileFinding check_file(const LoggedFile& file) { return FileCheck(file).check();
 
 // Several instances of a sender (a program started anew) are one line. Sequences that wrap, after 49 days, are not followed.
 std::vector<FlowFinding> check_flows(const std::vector<std::unique_ptr<LoggedFile>>& files) {
-    Flows flows;
+    std::map<std::string, Flows> trials;  // of lock-step; else one
     HeaderReader headers;
-    for (const auto& file : files) take(*file, ClockOffsets(files, *file), headers, flows);
+    for (const auto& file : files)
+        take(*file, ClockOffsets(files, *file), headers, trials[lock_step_trial(*file)]);
     const bool one_clock = have_one_clock(files);
     std::map<std::string, FlowFinding> by_topic;
-    for (auto& [key, ends] : flows) {
-        if (ends.sent.empty() || ends.receivers.empty()) continue;
-        FlowFinding& sum = by_topic[key.first];
-        sum.topic = key.first;
-        compare(ends, sum, one_clock);
-    }
+    for (auto& [trial, flows] : trials) add_flows(flows, one_clock, by_topic);
     std::vector<FlowFinding> findings;
     findings.reserve(by_topic.size());
     for (auto& [topic, finding] : by_topic) findings.push_back(finding);

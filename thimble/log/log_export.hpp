@@ -33,7 +33,7 @@ struct Ros2Written {
 };
 
 // The same movements, forces and events as ROS 2 messages (docs/interoperability.md) in a new MCAP file of profile "ros2"; the logs' topics
-// that begin with `topic`. Throws Error: usage, if it exists; run failed, if it cannot be written.
+// that begin with `topic`. Throws Error: usage, if it exists, or as merge_logs(); run failed, if it cannot be written.
 Ros2Written export_ros2(const LoggedFiles& files, const std::filesystem::path& path,
                         const std::string& topic);
 

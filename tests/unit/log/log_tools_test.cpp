@@ -128,6 +128,34 @@ TEST_F(LogTools, WhatNobodySentIsForeign) {
     EXPECT_EQ(check_flows(files_)[0].foreign, 1U);
 }
 
+// In lock-step each begins anew: with the same instances, sequences and times.
+class TrialsOfLockStep : public LogTools {
+  protected:
+    TrialsOfLockStep() {
+        add_trial("50ms_trial01", {{1, 11}, {3, 31}});
+        add_trial("50ms_trial02_repaired", {{1, 11}, {2, 21}, {3, 31}});
+    }
+    void add_trial(const std::string& name, const std::vector<WrittenMessage>& received) {
+        add("thimble-master_" + name, {.messages = {{1, 10}, {2, 20}, {3, 30}}});
+        add("thimble-slave-sim_" + name, {.direction = "received", .messages = received});
+    }
+};
+
+TEST_F(TrialsOfLockStep, AreCheckedEachWithItself) {
+    const FlowFinding flow = check_flows(files_).at(0);
+    EXPECT_EQ(flow.received, 5U);
+    EXPECT_EQ(flow.lost, 1U);
+    EXPECT_EQ(flow.repeated, 0U);
+}
+
+TEST_F(TrialsOfLockStep, AreNeverMerged) {
+    EXPECT_THAT(refusal([&] { merge_logs(files_); }, ExitCode::kUsage), HasSubstr("/*_50ms_trial01.mcap"));
+    EXPECT_THROW(export_ros2(files_, folder_ / "ros2.mcap", ""), Error);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "ros2.mcap"));
+    files_.resize(2);
+    EXPECT_THAT(merge_logs(files_), SizeIs(5));
+}
+
 // 1000 sent, 700 received; `lost` is what the relay names of the 300.
 std::string needle_link_report(int lost, int delivered) {
     nlohmann::json link{{"pushed", 1000}, {"delivered", delivered}, {"lost", lost},
