@@ -64,6 +64,7 @@ std::string why_already(const Exclusion* there, const DatasetRecord& record) {
 void mark(const std::filesystem::path& folder, const std::string& name, std::uint32_t position,
           ExclusionKind kind, const CorrectionNote& note) {
     const Dataset dataset = dataset_in(folder);
+    const TurnLock lock(dataset.description());
     const DatasetRecord record = record_at(dataset, name, position);
     const std::uint32_t participant = participant_named(name);
     const auto exclusions = read_exclusions(dataset.exclusions());

@@ -230,32 +230,63 @@ void export_participant_session(const Dataset& dataset, const fs::path& to, Moti
     write_motion_description(to, read_description(dataset.description()));
 }
 
+// Of a run, its report says it. `thimble play` writes none.
+bool report_says_virtual(const fs::path& from) {
+    std::ifstream file(from / "summary.json");
+    const MotionJson json = MotionJson::parse(file, nullptr, false);
+    const MotionJson::json_pointer kind("/provenance/kind of subjects");
+    return json.contains(kind) && json.at(kind) == to_string(SubjectKind::kVirtual);
+}
+
+// Only a study, which has virtual subjects alone, gives such names: also where it was killed, and has no report.
+bool is_of_study(const fs::path& trajectory) {
+    return trajectory.filename().string().starts_with("experiment");
+}
+
+void write_motion_subjects(const fs::path& to, const std::set<std::uint32_t>& subjects, const char* kind) {
+    std::string participants = "participant_id\tspecies\tsubject_kind\n";
+    for (const std::uint32_t subject : subjects)
+        participants += fmt::format("{}\tn/a\t{}\n", participant_id(subject), kind);
+    write_motion_text(to / "participants.tsv", participants);
+    write_motion_text(
+        to / "participants.json",
+        json_text(MotionJson{{"species", {{"Description", "n/a: a virtual subject, or not recorded"}}},
+                             {"subject_kind",
+                              {{"Description", "Who held the handle; n/a: not recorded"},
+                               {"Levels", {{"virtual", "a simulated operator"}}}}}},
+                  2) +
+            '\n');
+}
+
+void write_motion_origin(const fs::path& to, bool is_virtual) {
+    const std::string name = is_virtual ? "Virtual subjects inserting a needle" : "Insertions of a needle";
+    const char* const words = is_virtual
+                                  ? "Trajectories of `thimble study` or `thimble run`: a simulated operator, "
+                                    "simulated tissue, emulated network. No person took part.\n"
+                                  : "Trajectories of `thimble run` or `thimble play`, whose folder does not "
+                                    "say that a simulated operator held the handle.\n";
+    write_motion_text(to / "README.md", fmt::format("# {}\n\n{}", name, words));
+    MotionJson json{
+        {"Name", name},
+        {"DatasetType", "raw"},
+        {"GeneratedBy", MotionJson::array({MotionJson{{"Name", "Thimble"}, {"Version", kVersion}}})}};
+    if (is_virtual) json["SubjectKind"] = to_string(SubjectKind::kVirtual);
+    write_motion_description(to, json);
+}
+
 void export_study(const fs::path& from, const fs::path& to, MotionDataset& out) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> runs;
+    bool of_study = true;
     for (const TrialRow& row : read_trial_table(from / "trials.csv")) {
         const TrialConditions& c = row.conditions;
+        const fs::path trajectory = find_trajectory(from / "trajectories", c);
+        of_study = of_study && (trajectory.empty() || is_of_study(trajectory));
         out.add_trial({fmt::format("needleExperiment{}", c.experiment), ++runs[{c.experiment, c.subject}],
-                       row, find_trajectory(from / "trajectories", c)});
+                       row, trajectory});
     }
-    std::string participants = "participant_id\tspecies\tsubject_kind\n";
-    for (const std::uint32_t subject : out.subjects())
-        participants += participant_id(subject) + "\tn/a\tvirtual\n";
-    write_motion_text(to / "participants.tsv", participants);
-    write_motion_text(to / "participants.json",
-                      json_text(MotionJson{{"species", {{"Description", "n/a for a virtual subject"}}},
-                                           {"subject_kind",
-                                            {{"Description", "Who held the handle"},
-                                             {"Levels", {{"virtual", "a simulated operator"}}}}}},
-                                2) +
-                          '\n');
-    write_motion_text(to / "README.md",
-                      "# Virtual subjects inserting a needle\n\nTrajectories of `thimble study`: a simulated "
-                      "operator, simulated tissue, emulated network. No person took part.\n");
-    write_motion_description(
-        to, {{"Name", "Virtual subjects inserting a needle"},
-             {"DatasetType", "raw"},
-             {"GeneratedBy", MotionJson::array({MotionJson{{"Name", "Thimble"}, {"Version", kVersion}}})},
-             {"SubjectKind", "virtual"}});
+    const bool is_virtual = of_study || report_says_virtual(from);
+    write_motion_subjects(to, out.subjects(), is_virtual ? "virtual" : "n/a");
+    write_motion_origin(to, is_virtual);
 }
 
 MotionExport exported(const fs::path& from, const fs::path& to) {

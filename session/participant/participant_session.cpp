@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "session/participant/tsv.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/records/trajectory_file.hpp"
 
@@ -63,7 +64,7 @@ ParticipantSessionResult ParticipantSession::run() {
         do_trial(*step);
         if (lost_in_a_row_ == kLostInARow) {
             // A full disk is one, too.
-            const bool fault = agenda_.records.back().row.reason == EndReason::kDeviceFault;
+            const bool fault = agenda_.records.back().row.reason != EndReason::kPeerLost;
             return result(
                 fault ? ExitCode::kRunFailed : ExitCode::kNetwork,
                 fmt::format("{} trials in a row failed: {}; remove the cause and continue with --resume",
@@ -264,6 +265,7 @@ void ParticipantSession::mark_last(ExclusionKind kind, const std::string& reason
         return options_.say(
             fmt::format("trial {} is {} already: {}", last.position, to_string(there->kind), there->reason));
     }
+    const TurnLock lock(options_.dataset.description());
     add_exclusion(options_.dataset.exclusions(), mark);
     agenda_.exclusions.push_back(mark);
     options_.say(fmt::format("trial {} is {}: {}", last.position, to_string(kind), reason));
@@ -311,6 +313,7 @@ void ParticipantSession::note_attention(const DatasetRecord& record) {
     if (!ran_to_its_end(record.row)) return;  // it is run again
     const AttentionResult result =
         judge_attention(options_.participant, record, options_.protocol.attention_limit);
+    const TurnLock lock(options_.dataset.description());
     add_attention(options_.dataset.attention(), result);
     if (options_.protocol.blinded) return;
     options_.say(fmt::format("attention trial {}: {}", record.position, result.passed ? "passed" : "failed"));

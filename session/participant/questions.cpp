@@ -78,6 +78,10 @@ Asked await_release(const Asker& asker, Page paused) {
         if (asker.stop != nullptr && *asker.stop) return Asked::kStopped;
         const auto line = asker.lines == nullptr ? std::nullopt : asker.lines->take_line();
         if (line && obey_in_stop(asker, *line) == Asked::kStopped) return Asked::kStopped;
+        if (!line && asker.lines != nullptr && asker.lines->ended()) {
+            asker.say(kInputEnded);
+            return Asked::kStopped;
+        }
         asker.runner.show(paused);
         asker.runner.idle(kAnswerLook);
     }

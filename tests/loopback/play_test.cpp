@@ -316,6 +316,12 @@ TEST(Play, SaysWhatIsWrongAtTheStart) {
     EXPECT_EQ(outcome.code, 2);
     EXPECT_NE(outcome.words.find("trials.csv"), std::string::npos) << outcome.words;
 
+    std::ofstream(folder / "dataset_description.json") << R"({"Name": "x", "SubjectKind": "human"})";
+    outcome = run_to_end(program, {"play", "--base-port", base, "--visual-command", "thimble-visual", "--out",
+                                   folder.write("x", "").parent_path().string()});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_NE(outcome.words.find("a dataset of human participants"), std::string::npos) << outcome.words;
+
     const NetworkSettings network = network_at(ports.base());
     const UdpChannel taken(network.at(Port::kSessionOrders), {"127.0.0.1", 0});
     outcome = run_to_end(program, {"play", "--base-port", base, "--visual-command", "thimble-visual"});

@@ -18,6 +18,7 @@
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/text_file.hpp"
+#include "session/participant/dataset.hpp"
 #include "session/play/order_handlers.hpp"
 #include "session/play/play_session.hpp"
 #include "session/play/replay_process.hpp"
@@ -124,6 +125,7 @@ int run_play(PlayArguments a) {
     a.play.stop = a.replay.stop = a.render.stop = &stop_requested();
     a.replay.contact_hold_s = to_seconds(settings.slave.contact_hold);
     if (a.seconds > 0) a.play.longest = a.replay.longest = from_seconds(a.seconds);
+    if (!a.play.record.empty()) refuse_dataset(a.play.record);
     if (!a.render.frames.empty() || !a.video.empty()) {
         install_stop_signals();
         return render_recorded(a, settings);

@@ -15,6 +15,7 @@
 #include "session/launch/remote_starter.hpp"
 #include "session/launch/ros2_programs.hpp"
 #include "session/launch/unit_files.hpp"
+#include "session/play/play_starter.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/machines.hpp"
 #include "thimble/commands/real_run.hpp"
@@ -126,8 +127,10 @@ int run_nodes(RunArguments& arguments) {
         fmt::print("{}", firewall_table(network, launch));
         return 0;
     }
-    if (arguments.check)
-        return static_cast<int>(check_machines(launch, arguments.run.out / "check", arguments.json));
+    if (arguments.check) {
+        const ScratchFolder logs;  // their words are printed
+        return static_cast<int>(check_machines(launch, logs.path(), arguments.json));
+    }
     return run_for_real(arguments, settings, starter_for(launch, arguments.config));
 }
 

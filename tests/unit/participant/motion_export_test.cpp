@@ -58,8 +58,38 @@ class MotionBids : public testing::Test {
                          ("sub-01_task-needleExperiment3_tracksys-slave_run-01_" + ending));
     }
 
+    // Their file of a run, or of `thimble play`.
+    void rename_as_of_a_run() const {
+        std::filesystem::rename(study() / "trajectories" / "experiment3_subject01_trial01_CF_50ms.csv",
+                                study() / "trajectories" / "trial01_CF_50ms.csv");
+    }
+    // Of the export: description, page and table of subjects in one text.
+    std::string subjects_words() const {
+        std::filesystem::remove_all(bids());
+        export_motion(study(), bids());
+        std::string words;
+        for (const char* name : {"dataset_description.json", "README.md", "participants.tsv"})
+            words += read_text(bids() / name);
+        return words;
+    }
+
     const TemporaryDirectory folder_;
 };
+
+TEST_F(MotionBids, OnlyWhatIsKnownToBeVirtualIsCalledVirtual) {
+    const auto is_virtual = AllOf(HasSubstr(R"("SubjectKind": "virtual")"), HasSubstr("No person took part"),
+                                  HasSubstr("sub-01\tn/a\tvirtual\n"));
+    EXPECT_THAT(subjects_words(), is_virtual) << "a study, also one that was killed";
+    rename_as_of_a_run();
+    for (const char* summary : {"", "[1]", R"({"provenance": {"seed": "1"}})"}) {
+        if (*summary != '\0') write_text(study() / "summary.json", summary);
+        EXPECT_THAT(subjects_words(), AllOf(HasSubstr("sub-01\tn/a\tn/a\n"), Not(HasSubstr("irtual")),
+                                            Not(HasSubstr("No person")), Not(HasSubstr("SubjectKind"))))
+            << summary;
+    }
+    write_text(study() / "summary.json", R"({"provenance": {"kind of subjects": "virtual"}})");
+    EXPECT_THAT(subjects_words(), is_virtual) << "a run";
+}
 
 TEST_F(MotionBids, HoldsTheSamplesWithTheirUnits) {
     const MotionExport done = export_motion(study(), bids());

@@ -264,6 +264,11 @@ TEST_F(ParticipantSessionTest, GivesUpOnAFullDiskWithoutNamingTheNetwork) {
     EXPECT_EQ(run_to_end().code, ExitCode::kRunFailed);
 }
 
+TEST_F(ParticipantSessionTest, AGuardThatTripsAgainAndAgainIsNoNetworkError) {
+    trials_.outcomes.assign(9, EndReason::kSafetyStop);
+    EXPECT_EQ(run_to_end().code, ExitCode::kRunFailed);
+}
+
 TEST_F(ParticipantSessionTest, TheExperimenterRejectsAndExcludes) {
     settings_.break_minimum = seconds{0};
     // Before each trial a line is asked for; what marks the last trial comes before its Enter.

@@ -183,6 +183,14 @@ TEST_F(Questions, HearAViewTheInputsEndAndAnEmergencyStop) {
     EXPECT_EQ(trials_.events.back(), "question 4");
 }
 
+TEST_F(Questions, TheInputsEndIsAlsoHeardWhileAStopHolds) {
+    trials_.stopped_by = "emergency stop (master): a key";
+    trials_.stopped = true;
+    WrittenLines nothing({});
+    EXPECT_EQ(await_release({trials_, &nothing, nullptr, say_}, {}), Asked::kStopped);
+    EXPECT_THAT(said_, Contains(HasSubstr("the input has ended")));
+}
+
 TEST_F(Questions, ConsentHasAVersionAndATime) {
     trials_.answers = {3, 2};
     EXPECT_EQ(ask_consent({trials_, nullptr, nullptr, say_}, pages_), Consent::kDeclined);
