@@ -2,6 +2,7 @@
 
 Thimble starts the file and writes records to its standard input, 112 bytes each: a call's number and 13 numbers. create and force are
 answered by one number. All units are SI, in the hand's frame, as in thimble/controller.h. What a controller prints goes to stderr."""
+import ctypes
 import os
 import signal
 import struct
@@ -13,6 +14,7 @@ from typing import NamedTuple
 ANSWERS = os.fdopen(os.dup(1), 'wb', 0)
 os.dup2(2, 1)
 
+PR_SET_PDEATHSIG = 1
 RECORD, ANSWER = struct.Struct('=Q13d'), struct.Struct('=d')
 CREATE, START, NETWORK_CHANGED, SAMPLE, RECEIVE, FORGET, FORCE = range(1, 8)
 
@@ -91,6 +93,7 @@ def call(controller, kind, numbers):
 
 def serve(kind):
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for Thimble, which then ends this program
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # also where a call that hangs has ended Thimble
     if sys.argv[1:] == ['--describe']:
         lines = [kind.NAME or kind.__name__] + ['\t'.join(map(str, (name, *key))) for name, key in kind.KEYS.items()]
         ANSWERS.write(('\n'.join(lines) + '\n').encode())

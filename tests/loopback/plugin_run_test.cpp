@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "common/runtime/plugin_watch.hpp"
 #include "session/records/trial_table.hpp"
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
@@ -69,6 +70,13 @@ TEST_F(PluginRun, OneThatDoesNotComeBackIsNamed) {
         EXPECT_THAT(outcome.words, HasSubstr("thimble-master ended")) << clock;
         EXPECT_THAT(outcome.words, HasSubstr("bad.so: did not return from force()")) << clock;
     }
+}
+
+// There is no other program to end.
+TEST_F(PluginRun, OneThatDoesNotComeBackEndsVirtualTimeAsWell) {
+    const Outcome outcome = run(THIMBLE_PLUGINS "/bad.so", "fault_number = 3", "virtual");
+    EXPECT_EQ(outcome.code, kPluginHung);
+    EXPECT_THAT(outcome.words, HasSubstr("bad.so: did not return from force()"));
 }
 
 // In lock-step this takes too long for a test.
