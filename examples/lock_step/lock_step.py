@@ -12,7 +12,7 @@ HEADER = struct.Struct('<QqIIB7x')
 FIELDS = {COMMAND: '<3d', FEEDBACK: '<8dqqIB??x', ORDER: '<Q3d16sIIBB?B4x', HEARTBEAT: '<QQ5dBB6x', PROBE: '<q', REPLY: '<qq'}
 SLAVE_SIM = 2  # role of a sender
 TRIAL_START, BEEP, FIXTURE, TRIAL_END = 0, 1, 2, 3  # kinds of orders
-# Ports, counted from the base port (docs/machines.md): where slave_sim listens, and where its peers do.
+# Ports, counted from the base port (docs/protocol.md): where slave_sim listens, and where its peers do.
 CONTROL, NEEDLE, STOP = 7, 14, 29
 SESSION, RECORD, DISPLAY, NETEM = 1, 5, 17, (19, 20, 21)
 LOCK_STEP, VERSION, BEGIN, END, READY, ANSWER = struct.Struct('<HHIqQ36H'), 2, 1, 3, 4, 5

@@ -16,6 +16,17 @@
 namespace thimble {
 namespace {
 
+constexpr const char* kDatasetExitCodes =
+    "Exit codes: 0 ok, 1 a file could not be written, 2 usage, 5 the data are missing or damaged.";
+constexpr const char* kExcludeExample =
+    "thimble dataset exclude out/study7 --participant P07 --trial 12 --reason \"phone rang\"";
+constexpr const char* kIncludeExample =
+    "thimble dataset include out/study7 --participant P07 --trial 12 --reason \"wrong trial\"";
+constexpr const char* kCorrectExample =
+    "thimble dataset correct out/study7 --participant P07 --column age --value 32 --reason \"typing "
+    "error\" --by LS";
+constexpr const char* kBidsExample = "thimble dataset bids out/people --out out/bids";
+
 struct DatasetArguments {
     std::string folder, out, participant, reason, by, column, value;
     std::uint32_t trial = 0;
@@ -54,9 +65,10 @@ int export_bids(const DatasetArguments& a) {
     return 0;
 }
 
-CLI::App* add_dataset_part(CLI::App& dataset, const char* name, const char* what, DatasetArguments& a,
-                           int (*run)(const DatasetArguments&)) {
+CLI::App* add_dataset_part(CLI::App& dataset, const char* name, const char* what, const char* example,
+                           DatasetArguments& a, int (*run)(const DatasetArguments&)) {
     CLI::App* part = dataset.add_subcommand(name, what);
+    part->footer(fmt::format("Example:\n  {}\n\n{}", example, kDatasetExitCodes));
     part->callback([&a, run] { a.run = run; });
     return part;
 }
@@ -78,12 +90,13 @@ Subcommand add_dataset(CLI::App& app) {
     CLI::App* dataset = app.add_subcommand(
         "dataset", "exclude or include participants' trials, correct a field, or export movements as BIDS");
     dataset->require_subcommand(1);
-    CLI::App* leave_out =
-        add_dataset_part(*dataset, "exclude", "exclude a participant's trial from the analysis", a, exclude);
-    CLI::App* take_back =
-        add_dataset_part(*dataset, "include", "include a trial that was excluded or rejected", a, include);
-    CLI::App* person = add_dataset_part(
-        *dataset, "correct", "correct a participant's age, sex, handedness or experience", a, correct);
+    CLI::App* leave_out = add_dataset_part(
+        *dataset, "exclude", "exclude a participant's trial from the analysis", kExcludeExample, a, exclude);
+    CLI::App* take_back = add_dataset_part(
+        *dataset, "include", "include a trial that was excluded or rejected", kIncludeExample, a, include);
+    CLI::App* person =
+        add_dataset_part(*dataset, "correct", "correct a participant's age, sex, handedness or experience",
+                         kCorrectExample, a, correct);
     for (CLI::App* part : {leave_out, take_back, person}) add_correction_options(*part, a);
     for (CLI::App* part : {leave_out, take_back})
         part->add_option("--trial", a.trial,
@@ -97,20 +110,13 @@ Subcommand add_dataset(CLI::App& app) {
     CLI::App* bids = add_dataset_part(*dataset, "bids",
                                       "export the trajectories of participants, a study or a run as a "
                                       "Motion-BIDS dataset (docs/interoperability.md)",
-                                      a, export_bids);
+                                      kBidsExample, a, export_bids);
     bids->add_option("folder", a.folder,
                      "folder of a participant session, of thimble study --trajectories, or of thimble run")
         ->required();
     bids->add_option("-o,--out", a.out, "new folder")->required();
-    dataset->footer(
-        "Examples:\n"
-        "  thimble dataset exclude out/study7 --participant P07 --trial 12 --reason \"phone rang\"\n"
-        "  thimble dataset include out/study7 --participant P07 --trial 12 --reason \"wrong trial\"\n"
-        "  thimble dataset correct out/study7 --participant P07 --column age --value 32 --reason \"typing "
-        "error\" --by LS\n"
-        "  thimble dataset bids out/people --out out/bids\n"
-        "\n"
-        "Exit codes: 0 ok, 1 a file could not be written, 2 usage, 5 the data are missing or damaged.");
+    dataset->footer(fmt::format("Examples:\n  {}\n  {}\n  {}\n  {}\n\n{}", kExcludeExample, kIncludeExample,
+                                kCorrectExample, kBidsExample, kDatasetExitCodes));
     return {dataset, [arguments] { return arguments->run(*arguments); }};
 }
 
