@@ -256,8 +256,9 @@ std::string limits_sentence(const Groups& groups) {
         for (std::string& text : unmeasured(group)) parts.push_back(std::move(text));
     }
     if (!parts.empty()) return sentence(fmt::format("{}", fmt::join(parts, "; ")));
-    return fmt::format("{}he results do not tell about other hands, tissues or delays.",
-                       any_comparison(groups, anything) ? "Every pair differs; t" : "T");
+    return fmt::format(
+        "{}he results do not tell about other hands, tissues or delays.",
+        any_comparison(groups, anything) && !any_comparison(groups, alike) ? "Every pair differs; t" : "T");
 }
 
 // The same trials without delay only show that it is the delay: the tables compare them.

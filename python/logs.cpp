@@ -108,9 +108,9 @@ void add_logs(py::module_& module) {
         "read_log", &read_log, py::arg("path"), py::arg("topic") = "",
         R"(The messages of a program's log (MCAP, docs/log.md) as numpy arrays. topic: only topics that begin so.
 
-Returns a dict. A key is (topic, kind of message), as ("/master/needle", "needle_command"). A value is a dict of arrays of shape (n,), a
-message each, in the order of the log: log_time_ns, publish_time_ns, sent (bool), the header's fields with "header_" before them, and the
-kind's fields. A field's name ends in its unit. Enums are texts. pandas.DataFrame(value) makes a frame of it.)");
+Returns a dict. A key is (topic, kind of message), as ("/master/needle_command", "needle_command"). A value is a dict of arrays of shape
+(n,), a message each, in the order of the log: log_time_ns, publish_time_ns, sent (bool), the header's fields with "header_" before them,
+and the kind's fields. A field's name ends in its unit. Enums are texts. pandas.DataFrame(value) makes a frame of it.)");
 }
 
 }  // namespace thimble

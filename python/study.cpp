@@ -16,6 +16,7 @@ struct Design {
     std::vector<Protocol> protocols;
     bool paper = false;
     std::vector<SettingChange> changes{};
+    std::vector<std::pair<std::string, std::string>> options{};  // for all_parameters()
 };
 
 void require_subjects(std::uint32_t subjects) {
@@ -30,17 +31,22 @@ Design design_of(const py::object& session, const std::map<std::string, double>&
     Design design;
     design.settings = settings_from(session, changes);
     require_virtual_subjects(design.settings, "study");
-    if (seed) design.settings.plan.seed = *seed;
+    if (seed) {
+        design.settings.plan.seed = *seed;
+        design.options.emplace_back("session.seed", std::to_string(*seed));
+    }
     if (order) {
         const auto known = parse_order(*order);
         if (!known)
             throw Error(ExitCode::kUsage, "order \"{}\": is neither \"shuffled\" nor \"williams\"", *order);
         design.settings.plan.order = *known;
+        design.options.emplace_back("session.order", fmt::format("\"{}\"", *order));
     }
     if (subjects) {
         require_subjects(*subjects);
         if (!design.settings.protocol) design.settings.protocol.emplace();
         design.settings.protocol->subjects = *subjects;
+        design.options.emplace_back("protocol.subjects", std::to_string(*subjects));
     }
     for (const auto& [key, value] : changes) design.changes.push_back({key, value});
     design.protocols = session_protocols(design.settings);
@@ -77,7 +83,10 @@ std::string write_folder(const Design& design, const py::object& out, unsigned j
     refuse_dataset(options.out);
     options.command = "thimble.study() in Python";
     if (!design.settings.file.empty())
-        options.made_with = {{"all parameters", all_parameters(design.settings.file, design.changes)}};
+        options.made_with = {{"all parameters of " + design.settings.file.filename().string(),
+                              all_parameters(design.settings.file, design.changes, design.options)}};
+    for (const SettingChange& change : design.changes)
+        options.plan += fmt::format("changes: {} = {}\n", change.key, change.value);
     options.jobs = jobs;
     options.if_exists = overwrite ? IfExists::kReplace : IfExists::kRefuse;
     options.trajectories = trajectories;

@@ -1,6 +1,7 @@
 #include "study/planned_table.hpp"
 
 #include <algorithm>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -43,6 +44,12 @@ std::string used_files_text(const std::filesystem::path& session) {
 }  // namespace
 
 void require_plan(const std::filesystem::path& plan_file, const std::string& what, const std::string& plan) {
+    std::error_code unknown;
+    if (!std::filesystem::exists(plan_file, unknown))
+        throw Error(ExitCode::kUsage,
+                    "{}: is missing, and without it nothing says which settings the {} had: replace it with "
+                    "--overwrite, or name another folder with --out",
+                    plan_file.string(), what);
     if (read_text_file(plan_file) == plan) return;
     throw Error(ExitCode::kUsage,
                 "{}: holds a {} with other settings: repeat these settings, replace it with --overwrite, or "

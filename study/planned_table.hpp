@@ -15,7 +15,7 @@ namespace thimble {
 // Of a plan's text: the bytes of the session file, and the hash of each file that it names (scene, trace, page, plug-in).
 std::string session_text(const SystemSettings& settings);
 
-// Throws Error (usage): the text is another. `what` is for messages: "map".
+// Throws Error (usage): the text is another, or the file is missing. `what` is for messages: "map".
 void require_plan(const std::filesystem::path& plan_file, const std::string& what, const std::string& plan);
 
 // Begins the table of a plan, or goes on with it (kContinue): then the table is there, and in `plan_file` the text of its plan.

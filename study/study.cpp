@@ -73,7 +73,7 @@ class Study {
     // A study goes on with its own session alone: the tables say little about it.
     void keep_plan(bool begins) const {
         const auto file = options_.out / "trials.txt";
-        const std::string plan = session_text(settings_);
+        const std::string plan = options_.plan + session_text(settings_);
         if (!begins) return require_plan(file, "study", plan);
         write_text_file(file, plan);
     }
@@ -224,6 +224,8 @@ class Study {
 
     std::string design() const {
         if (!options_.paper_design) return kUsersDesign;
+        if (!settings_.file.empty() && !is_paper_session(settings_.file))
+            return "the paper's trials with another session";
         std::string sessions;
         for (const Protocol& protocol : options_.protocols)
             sessions +=
@@ -252,7 +254,7 @@ class Study {
         if (options_.paper_design) report.sections.push_back(claims_section());
         const Protocol& protocol = options_.protocols[0];
         report.provenance = {{"command", options_.command},
-                             {kDesign, design()},
+                             {kDesign, design_},
                              {"seed", std::to_string(protocol.seed)},
                              {"subjects", std::to_string(protocol.subjects)},
                              {"order of trials", to_string(protocol.order)},
@@ -267,6 +269,7 @@ class Study {
 
     const SystemSettings& settings_;
     const StudyOptions& options_;
+    const std::string design_ = design();  // of the session file as it is now
     unsigned jobs_;
     Progress progress_;
     PanelsByExperiment panels_;

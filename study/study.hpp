@@ -25,6 +25,7 @@ struct StudyOptions {
     std::string command;  // as typed, for the report's provenance
     // More of it, as the report writes it: commit, session files, parameters.
     std::vector<std::pair<std::string, std::string>> made_with{};
+    std::string plan{};                      // text of the values that are not in the session file
     unsigned jobs = 0;                       // threads; 0: one per core
     IfExists if_exists = IfExists::kRefuse;  // kContinue: goes on where an earlier study was interrupted
     bool trajectories = false;               // one file per trial
@@ -53,7 +54,7 @@ struct StudyResult {
     double simulated_s = 0, wall_s = 0;  // of the trials alone, without report
 };
 
-// Writes below options.out: trials.csv (a row is on the disk as soon as its trial is in), trials.txt (the session), control.csv,
+// Writes below options.out: trials.csv (a row is on the disk as soon as its trial is in), trials.txt (plan, session), control.csv,
 // no_lag.csv, hf_NAME.csv and the curves of each. After the trials it writes subjects.csv, findings.json, compensators.json, claims.json (the paper's design),
 // report.html, summary.json and figures/.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);

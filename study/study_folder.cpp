@@ -102,9 +102,10 @@ void StudyTables::append(const TrialRow& row, const TrialCurve& curve) {
 }
 
 void remove_earlier_results(const std::filesystem::path& folder) {
-    for (const char* name : {"trials.txt", "trials_curves.csv", "control.csv", "control_curves.csv",
-                             "no_lag.csv", "no_lag_curves.csv", "subjects.csv", "findings.json",
-                             "compensators.json", "claims.json", "summary.json", "report.html"})
+    for (const char* name :
+         {"trials.txt", "virtual.csv", "trials_curves.csv", "control.csv", "control_curves.csv", "no_lag.csv",
+          "no_lag_curves.csv", "subjects.csv", "findings.json", "compensators.json", "claims.json",
+          "summary.json", "report.html"})
         remove_file(folder / name);
     for (const std::string_view compensator : kCompensatorNames) {
         for (const char* end : {".csv", "_curves.csv"})

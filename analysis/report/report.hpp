@@ -74,7 +74,8 @@ std::vector<Answer> write_combined_report(const std::filesystem::path& run,
                                           const std::filesystem::path& study,
                                           const std::filesystem::path& html, const std::string& command);
 
-// Provenance of a study: the paper's sessions whose design it has, or "user". A run has always the user's.
+// Provenance of a study: the paper's sessions whose design it has, words that name none of them where another session has the paper's
+// trials, or "user". A run has always the user's.
 inline constexpr const char* kDesign = "design";
 inline constexpr const char* kUsersDesign = "user";
 // As summary.json in this folder says it; nothing if there is none, or of an earlier version.

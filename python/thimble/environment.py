@@ -71,7 +71,7 @@ class NeedleEnv(_Base):
         import numpy
 
         if render_mode is not None:
-            raise UsageError(f"render_mode {render_mode!r}: there is none but None; thimble replay draws a session's trials")
+            raise UsageError(f"render_mode {render_mode!r}: there is none but None; thimble play --replay draws a session's trials")
         if not 0.001 <= step_s <= 10 or not 0 < speed_m_per_s <= 10:
             raise UsageError(f"step_s is {step_s} and must be in [0.001, 10], speed_m_per_s is {speed_m_per_s} and must be in (0, 10]")
         self._numpy, self.render_mode = numpy, None

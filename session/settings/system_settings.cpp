@@ -94,8 +94,10 @@ SessionPlan read_plan(const ConfigTable& table) {
     table.read(
         "fixture_jitter_m", plan.fixture_jitter_m, 0, 1,
         "Half width of the uniform distribution of the fixture's position around [fixture] position_m.");
-    table.read("parallel_conditions", plan.parallel_conditions, 0, 64,
-               "Number of delays that run at the same time; 0: one per two cores, with other machines one.");
+    table.read(
+        "parallel_conditions", plan.parallel_conditions, 0, 64,
+        "Number of delays that run at the same time; 0: one per two cores, in lock-step one per core; with "
+        "a person or other machines one.");
     return plan;
 }
 
@@ -125,6 +127,21 @@ void check_agreement(const ConfigFile& file, const SystemSettings& s) {
           "cutaneous", "force_limit_N");
     check(s.person.perception.full_scale_bar_N, "full_scale_bar_N", s.visual.bar_full_scale_N, "visual",
           "bar_full_scale_N");
+}
+
+// The master and slave_sim refuse the same of theirs.
+void check_freshness(const ConfigFile& file, const SystemSettings& s) {
+    const auto check = [&](const char* node, Duration stale_after) {
+        if (s.master.sample_period < stale_after) return;
+        const bool own = file.table(node).has("stale_after_s");
+        file.table(own ? node : "master")
+            .fail(own ? "stale_after_s" : "sample_period_s",
+                  "lets each force go stale before the next: [master] sample_period_s is {:g}, [{}] "
+                  "stale_after_s {:g}; use a shorter period, or a longer stale_after_s",
+                  to_seconds(s.master.sample_period), node, to_seconds(stale_after));
+    };
+    check("cutaneous", s.cutaneous.stale.after);
+    check("visual", s.visual.stale.after);
 }
 
 void check_codec(const ConfigFile& file, const SystemSettings& s) {
@@ -181,6 +198,7 @@ void settle_delays(const ConfigFile& file, SystemSettings& s) {
     if (s.plan.names_delays) {
         check_named_delays(file, s);
     } else if (force.has("delay_s") || force.has("profile") || has_traced_delay(s.netem.force)) {
+        if (!force.has("delay_s") && !force.has("profile")) s.netem.force.delay = mean_delay(s.netem.force);
         s.plan.names_delays = true;
         s.plan.delays = {s.netem.force.delay};
     } else if (s.protocol) {
@@ -217,6 +235,7 @@ SystemSettings read_tables(const ConfigFile& file) {
     s.log = read_log_settings(file);
     settle_delays(file, s);
     check_agreement(file, s);
+    check_freshness(file, s);
     check_codec(file, s);
     return s;
 }
@@ -225,6 +244,18 @@ ConfigFile changed_file(const std::filesystem::path& path, const std::vector<Set
     ConfigFile file = path.empty() ? ConfigFile::empty() : ConfigFile::load(path);
     for (const SettingChange& change : changes) file.set(change.key, change.value);
     return file;
+}
+
+// Replaces the value of `key`, or appends the line if there is none, as for a key without a default.
+void replace_value(std::string& parameters, const std::string& key, const std::string& value) {
+    const std::string start = key + " = ";
+    std::size_t at = parameters.starts_with(start) ? 0 : parameters.find('\n' + start);
+    if (at == std::string::npos) {
+        parameters += start + value + '\n';
+        return;
+    }
+    at = parameters.find(start, at) + start.size();
+    parameters.replace(at, parameters.find('\n', at) - at, value);
 }
 
 }  // namespace
@@ -241,12 +272,22 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     return s;
 }
 
-std::string all_parameters(const std::filesystem::path& path, const std::vector<SettingChange>& changes) {
+std::string all_parameters(const std::filesystem::path& path, const std::vector<SettingChange>& changes,
+                           const std::vector<std::pair<std::string, std::string>>& options) {
     const ConfigFile file = changed_file(path, changes);
-    return file.all_values([&] { read_tables(file); });
+    std::string text = file.all_values([&] { read_tables(file); });
+    for (const auto& [key, value] : options) replace_value(text, key, value);
+    return text;
 }
 
 SystemSettings with_force_delay(SystemSettings settings, Duration delay) {
+    const Duration own = settings.netem.force.delay;
+    if (delay != own && has_traced_delay(settings.netem.force))
+        throw Error(
+            ExitCode::kUsage,
+            "a delay of {} s is asked for, but the trace of [netem.force] gives the delays: name {} s "
+            "alone, or remove the trace",
+            to_seconds(delay), to_seconds(own));
     set_delay(settings.netem.force, settings.netem.force_timeline, delay);
     return settings;
 }

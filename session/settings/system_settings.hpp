@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/config.hpp"
@@ -51,7 +52,7 @@ struct SessionPlan {
     SubjectKind kind = SubjectKind::kVirtual;
     TrialOrder order = TrialOrder::kShuffled;
     double fixture_jitter_m = 0.015;  // half width of the uniform draw around [fixture].position_m
-    int parallel_conditions = 0;      // conditions run side by side; 0: one per two cores
+    int parallel_conditions = 0;      // conditions run side by side; 0: as the cores allow
 };
 
 struct SystemSettings {
@@ -85,8 +86,9 @@ SystemSettings load_system_settings(const std::filesystem::path& path,
                                     const std::vector<SettingChange>& changes = {});
 
 // All keys of the file with their values, the defaults included, as a file would write them. An empty path: the defaults. The changes
-// stand as if they were in the file.
-std::string all_parameters(const std::filesystem::path& path, const std::vector<SettingChange>& changes = {});
+// stand as if they were in the file. `options`: keys that a command's options replace, with the value as a file would write it.
+std::string all_parameters(const std::filesystem::path& path, const std::vector<SettingChange>& changes = {},
+                           const std::vector<std::pair<std::string, std::string>>& options = {});
 
 // The same session with this delay of the force path, as a condition of an experiment has it.
 SystemSettings with_force_delay(SystemSettings settings, Duration delay);

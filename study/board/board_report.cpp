@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -173,9 +174,17 @@ nlohmann::ordered_json contestants_json(const std::vector<Contestant>& contestan
     return list;
 }
 
+// Other files in that folder are the user's.
+void remove_sessions(const std::vector<BoardRow>& rows, const std::filesystem::path& folder) {
+    std::error_code no_matter;
+    if (!std::filesystem::is_directory(std::filesystem::symlink_status(folder, no_matter))) return;
+    for (const BoardRow& row : rows) remove_file(folder / row_file(row));
+    std::filesystem::remove(folder, no_matter);  // unless it holds others
+}
+
 void write_sessions(const BoardPlan& plan, const std::vector<BoardRow>& rows,
                     const std::filesystem::path& out) {
-    std::filesystem::remove_all(out / "sessions");
+    remove_sessions(rows, out / "sessions");
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (rows[i].subject == 0) continue;
         make_folder(out / "sessions");

@@ -54,9 +54,17 @@ bool known_compensator(const MapGrid& grid, const std::string& name) {
     if (std::find(kBuiltInCompensators.begin(), kBuiltInCompensators.end(), name) !=
         kBuiltInCompensators.end())
         return true;
-    if (name == kCompensatorNames.back()) return !grid.config.empty();
+    if (name == kCompensatorNames.back())
+        return !grid.config.empty() &&
+               load_system_settings(grid.config).master.control.compensator == Compensator::kPlugin;
     const auto same = [&](Modality modality) { return name == to_string(modality); };
     return grid.who == MapOperator::kVirtual && std::any_of(kModalities.begin(), kModalities.end(), same);
+}
+
+std::string unknown_text(const MapGrid& grid, const std::string& name) {
+    return fmt::format(
+        "--compensators {}: choose from {}{}, or plugin with a session whose [control] names one", name,
+        fmt::join(kBuiltInCompensators, ", "), grid.who == MapOperator::kVirtual ? ", CF, CCF, VF" : "");
 }
 
 }  // namespace
@@ -122,10 +130,7 @@ void require_meaningful(const MapGrid& g) {
     require(static_cast<double>(g.panels()) * static_cast<double>(g.panel()) <= kMostCells,
             "the map has more than 1e8 cells: give fewer points");
     for (const std::string& name : g.compensators) {
-        require(known_compensator(g, name), fmt::format("--compensators {}: choose from {}{}", name,
-                                                        fmt::join(kBuiltInCompensators, ", "),
-                                                        g.who == MapOperator::kVirtual ? ", CF, CCF, VF" : "")
-                                                .c_str());
+        require(known_compensator(g, name), unknown_text(g, name).c_str());
     }
 }
 

@@ -6,12 +6,21 @@
 #include "common/error.hpp"
 #include "common/process/progress.hpp"
 #include "common/runtime/realtime_loop.hpp"
+#include "common/text_file.hpp"
 #include "study/maps/cells.hpp"
 #include "study/maps/map_options.hpp"
 #include "study/planned_table.hpp"
 #include "study/worker_pool.hpp"
 
 namespace thimble {
+namespace {
+
+// That of an earlier map says nothing about a table that begins anew.
+void remove_figure(const std::filesystem::path& folder) {
+    for (const char* name : {"map.svg", "map.pdf", "map.tsv", "map.gp"}) remove_file(folder / name);
+}
+
+}  // namespace
 
 std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::size_t hands) {
     if (arguments.block > 0) return arguments.block;
@@ -25,6 +34,7 @@ int run_map(const SweepArguments& arguments, const MapGrid& grid) {
     PlannedTable table(folder, "map", "map", grid_text(grid), cells_header(), arguments.if_exists);
     const std::size_t first = table.done();
     if (first > 0) spdlog::info("{} of {} cells were already done", first, grid.cells());
+    if (first == 0) remove_figure(folder);
     const std::size_t block = block_of(arguments, grid, worker_count(arguments.jobs));
     CellWriter writer(grid);
     Progress progress;

@@ -19,6 +19,7 @@ SystemSettings settings_of(const MapGrid& g, const CellPlace& place) {
     const double at_needle_N_per_m = g.stiffness_N_per_m[place.stiffness] / handle_per_needle(plain);
     SystemSettings settings =
         load_system_settings(g.config, {{"fixture.stiffness_N_per_m", at_needle_N_per_m}});
+    settings.netem = NetemSettings{};  // the cell says what the network does
     LinkSettings& link = settings.netem.force;
     const double jitter_s = g.jitters_s[place.jitter], loss = g.losses[place.loss];
     if (jitter_s > 0) {

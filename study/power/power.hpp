@@ -16,6 +16,7 @@
 #include "analysis/report/report.hpp"
 #include "analysis/statistics/named_values.hpp"
 #include "analysis/text/html.hpp"
+#include "common/csv/csv_file.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/settings/system_settings.hpp"
 
@@ -80,6 +81,8 @@ std::vector<ReportTable> power_tables(const PowerResult& result, const PowerOpti
 nlohmann::ordered_json to_json(const PowerResult& result, const PowerOptions& options);
 // Throws Error (usage) if `out` holds a report or an earlier power.json.
 void refuse_other_report(const std::filesystem::path& out);
+// The same unless this table is there, which says that the report is the command's own, or the report may be replaced.
+void refuse_other_report(const std::filesystem::path& table, IfExists if_exists);
 // Writes power.json, report.html and figures/, in place of earlier ones. Throws Error where a file cannot be written.
 void write_power_report(const PowerResult& result, const PowerOptions& options, const std::string& command,
                         const Provenance& made_with, const std::filesystem::path& out);

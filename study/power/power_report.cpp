@@ -142,6 +142,11 @@ void refuse_other_report(const std::filesystem::path& out) {
                         (out / name).string());
 }
 
+void refuse_other_report(const std::filesystem::path& table, IfExists if_exists) {
+    if (if_exists == IfExists::kReplace || std::filesystem::exists(table)) return;
+    refuse_other_report(table.parent_path());
+}
+
 void write_power_report(const PowerResult& result, const PowerOptions& options, const std::string& command,
                         const Provenance& made_with, const std::filesystem::path& out) {
     make_folder(out);

@@ -26,7 +26,11 @@ TEST(BoardProgram, TheSameBytesWithAnyNumberOfThreadsAndAfterAnInterruption) {
     const auto one = folder / "one", three = folder / "three", resumed = folder / "resumed";
     const Outcome outcome = board("--jobs 1", one);
     ASSERT_EQ(outcome.code, 0) << outcome.words;
+    const std::string own = "three/sessions/own.toml";  // a user's
+    std::filesystem::create_directories(three / "sessions");
+    folder.write(own, "[session]\n");
     ASSERT_EQ(board("--jobs 3", three).code, 0);
+    EXPECT_EQ(read_text(folder / own), "[session]\n");
     const std::string table = read_text(one / "board.csv");
     EXPECT_EQ(read_text(three / "board.csv"), table);
     std::filesystem::create_directory(resumed);

@@ -63,6 +63,9 @@ TEST_F(SessionOfAUser, AStudyHasItsDelaysAndModalitiesOnly) {
         EXPECT_TRUE(row.conditions.modality == Modality::kHF || row.conditions.modality == Modality::kCF);
     }
     EXPECT_FALSE(fs::exists(folder_ / "home" / "control.csv"));
+    const std::string report = read_text(folder_ / "home" / "report.html");
+    EXPECT_EQ(use("compensators", std::string(kHome) + kSmall, "home").code, 2);
+    EXPECT_EQ(read_text(folder_ / "home" / "report.html"), report);
     EXPECT_EQ(study(std::string(kHome) + kSmall, "one", {"--subjects", "1"}).size(), 2U);
 }
 
@@ -127,6 +130,13 @@ TEST_F(SessionOfAUser, WhatAStudyCannotObeyIsRefusedByName) {
                    AllOf(HasSubstr("delays_s"), HasSubstr("thimble-netem")));
     for (const char* person : {"--age=31", "--sex=F", "--handedness=left", "--haptic-experience=none"})
         expect_refused("run", "", {person}, HasSubstr("--haptic-experience need"));
+    expect_refused("study", std::string(kHome) + kSmall, {"--compensators", "plugin"},
+                   HasSubstr("names no plug-in"));
+    expect_refused("study", "[session]\nmodalities = ['CF']\n", {"--compensators", "wave"},
+                   HasSubstr("has no trials with HF"));
+    for (const char* command : {"compensators", "power"})
+        expect_refused(command, "[netem.force]\nprofile = 'leo'\n", {"--delays-s", "0.018,0.2"},
+                       AllOf(HasSubstr("a delay of 0.2 s"), HasSubstr("name 0.018 s alone")));
     expect_refused("compensators", "[protocol]\nexperiments = [1]\n", {}, HasSubstr("experiments"));
     expect_refused("sweep", "[protocol]\n", {"--operator", "virtual"}, HasSubstr("[protocol]"));
     const Outcome unknown = run_thimble({"study", "paper-experiment-4"});
@@ -140,6 +150,10 @@ TEST_F(SessionOfAUser, ThePapersTrialsTakeASessionsOperator) {
     EXPECT_EQ(rows.size(), 4U * kRemovals);
     EXPECT_THAT(delays_in(rows), ElementsAre(0.0));
     EXPECT_TRUE(fs::exists(folder_ / "other" / "claims.json"));
+    const Outcome fit =
+        run_thimble({"fit", (folder_ / "other").string(), "--out", (folder_ / "fit").string()});
+    EXPECT_EQ(fit.code, 2);
+    EXPECT_THAT(fit.words, HasSubstr("--session")) << "its session is none of the paper's";
     study("", "usual", papers);
     EXPECT_NE(read_text(folder_ / "other" / "trials.csv"), read_text(folder_ / "usual" / "trials.csv"));
     expect_refused("study", kSmall, {"--experiment", "2"}, HasSubstr("[protocol]"));
@@ -151,7 +165,11 @@ TEST_F(SessionOfAUser, ClaimsAreCountedForThePapersTrialsWithAnotherRig) {
         "study", "[session]\ndelays_s = [0.0]\n[protocol]\nexperiments = [1]\n[handle]\nfriction_N = 0.3\n",
         "seeds", {"--seeds", "2", "--subjects", "1"});
     EXPECT_EQ(outcome.code, 0) << outcome.words;
-    EXPECT_TRUE(fs::exists(folder_ / "seeds" / "claims.json"));
+    const std::string claims = read_text(folder_ / "seeds" / "claims.json");
+    const Outcome study_there = use("study", kSmall, "seeds");
+    EXPECT_EQ(study_there.code, 2);
+    EXPECT_THAT(study_there.words, HasSubstr("report.html: exists already"));
+    EXPECT_EQ(read_text(folder_ / "seeds" / "claims.json"), claims);
 }
 
 TEST_F(SessionOfAUser, CompensatorsAndMapsHaveItsDelaysToo) {
@@ -167,6 +185,10 @@ TEST_F(SessionOfAUser, CompensatorsAndMapsHaveItsDelaysToo) {
     const std::string rows = read_text(folder_ / "map" / "map.csv");
     EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + 2) << "HF and CF at 9 ms\n" << rows;
     EXPECT_THAT(rows, HasSubstr(",0.009,"));
+    // The cells say loss 0.
+    use("sweep", std::string(kHome) + "[netem.force]\nloss = 0.5\n", "lossy",
+        {"--operator", "virtual", "--contact-stiffness-N-per-m", "9000"});
+    EXPECT_EQ(read_text(folder_ / "lossy" / "map.csv"), rows);
 }
 
 TEST_F(SessionOfAUser, CheckSaysWhichTrialsAreMeant) {

@@ -105,6 +105,18 @@ TEST(StudyProgram, ClaimsAreJudgedOnlyOfThePapersDesign) {
     const std::filesystem::path table = elsewhere / "trials.csv";
     std::filesystem::copy_file(folder / "out" / "trials.csv", table);
     EXPECT_GT(claims_of(table), 20U);
+    // Tables beside its trials are not what a study's claims are about.
+    const std::filesystem::path side = folder / "out" / "hf_wave.csv";
+    std::filesystem::copy_file(table, side);
+    EXPECT_EQ(claims_of(side), 0U);
+    const std::string claims = read_text(folder / "out" / "claims.json"),
+                      results = (elsewhere / "a").string();
+    EXPECT_EQ(run_thimble({"analyse", side.string(), "--out", out}).code, 2);
+    EXPECT_EQ(read_text(folder / "out" / "claims.json"), claims);
+    EXPECT_EQ(run_thimble({"analyse", table.string(), "--out", results}).code, 0);
+    EXPECT_TRUE(std::filesystem::exists(elsewhere / "a/claims.json"));
+    EXPECT_EQ(run_thimble({"analyse", side.string(), "--out", results}).code, 0);
+    EXPECT_FALSE(std::filesystem::exists(elsewhere / "a/claims.json"));
     std::ofstream(elsewhere / "summary.json") << R"({"provenance": {"design": "user"}})";
     EXPECT_EQ(claims_of(table), 0U);
     std::filesystem::remove(elsewhere / "summary.json");
@@ -135,6 +147,13 @@ TEST(StudyProgram, AllParametersAreThoseThatRanAndNoNamedFolderMeansItsOwn) {
                       HasSubstr("\noperator.spread_speed = 0\n"), HasSubstr("\nsession.seed = 9\n"),
                       HasSubstr("\nsession.order = \"williams\"\n"), HasSubstr("\nprotocol.subjects = 1\n")));
     EXPECT_THAT(provenance["fit " + fit].get<std::string>(), HasSubstr("3.25"));
+    // Another person's trials are not its.
+    std::ofstream(fit) << R"({"parameters": {"operator.criterion_N": {"median": 3.5}}})";
+    const Outcome other =
+        run_thimble({"study", "--experiment", "3", "--subjects", "1", "--seed", "9", "--order", "williams",
+                     "--no-control", "--from", fit, "--out", out.string(), "--resume"});
+    EXPECT_EQ(other.code, 2);
+    EXPECT_THAT(other.words, HasSubstr("other settings"));
 }
 
 TEST(StudyProgram, MistakesAreNamed) {

@@ -189,6 +189,19 @@ TEST(SweepProgram, RanksAndThreadsMakeTheSameTrialsAndRows) {
     both("board --quick --only CF,scaled,0ms,50ms", "board.csv");
 }
 
+// A map of too many panels has no figure, so none of an earlier map may stay.
+TEST(SweepProgram, AMapThatBeginsAnewLosesTheEarlierFigure) {
+    const Folder folder;
+    for (const char* name : {"map.svg", "map.pdf", "map.tsv", "map.gp"}) folder.write(name, "earlier\n");
+    const Outcome outcome =
+        run_thimble(words_in("sweep --hand A,B,C,D,E --jitter-s 0:0.007:8 --delay-s 0 --gain 0.01 --out " +
+                             (folder / "").string()));
+    EXPECT_EQ(outcome.code, 0) << outcome.words;
+    EXPECT_THAT(outcome.words, HasSubstr("no figure: the map has 40 panels"));
+    for (const char* name : {"map.svg", "map.pdf", "map.tsv", "map.gp"})
+        EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
+}
+
 TEST(SweepProgram, RefusesWhatItsOperatorDoesNotUse) {
     const Folder folder;
     for (const char* words : {"--operator virtual --step-s 0.01", "--operator virtual --press-N 9",

@@ -1,4 +1,5 @@
 """Sessions step by step, studies against the program, logs against its export, the environment."""
+import json
 import os
 import pathlib
 import signal
@@ -46,6 +47,14 @@ def test_a_study_writes_the_programs_files(told, tmp_path):
     (tmp_path / "dataset_description.json").write_text('{"SubjectKind": "human"}')
     with pytest.raises(ValueError, match="a dataset of human participants"):
         thimble.study(subjects=1, seed=7, out=tmp_path)
+
+
+def test_a_study_names_the_parameters_that_ran(tmp_path):
+    program("study", "paper-experiment-3", "--subjects", 1, "--seed", 7, "--order", "williams", "--no-control", "--out", tmp_path / "program")
+    thimble.study(subjects=1, seed=7, order="williams", control=False, out=tmp_path / "python")
+    key = "all parameters of paper-experiment-3.toml"
+    told, python = (json.loads((tmp_path / name / "summary.json").read_text())["provenance"][key] for name in ("program", "python"))
+    assert python == told and "session.seed = 7\n" in python
 
 
 def test_a_trial_alone_is_the_trial_of_the_study(told):

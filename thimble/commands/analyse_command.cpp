@@ -15,6 +15,7 @@
 #include "analysis/report/report_tables.hpp"
 #include "common/error.hpp"
 #include "common/json_text.hpp"
+#include "common/text_file.hpp"
 #include "session/participant/counted_trials.hpp"
 #include "session/records/trial_table.hpp"
 #include "thimble/commands/commands.hpp"
@@ -64,8 +65,15 @@ std::vector<TrialRow> no_lag_rows(const std::filesystem::path& given) {
     return std::filesystem::exists(table) ? read_trial_table(table) : std::vector<TrialRow>{};
 }
 
+// A table beside the trials of a study, such as hf_wave.csv: the study's design, findings and claims are not about it.
+bool is_side_table(const std::filesystem::path& given) {
+    const bool trials = std::filesystem::is_directory(given) || given.filename() == "trials.csv";
+    return !trials && design_in(folder_of(given)).has_value();
+}
+
 // As the study said it; of a table by itself as its rows say it.
 bool has_papers_design(const std::filesystem::path& given, const std::vector<TrialRow>& rows) {
+    if (is_side_table(given)) return false;
     const auto design = design_in(folder_of(given));
     return design ? *design != kUsersDesign : are_paper_trials(rows);
 }
@@ -79,8 +87,22 @@ Analysis analyse(const std::filesystem::path& given) {
     return analysis;
 }
 
+// findings.json in the folder of a study or a run.
+bool is_of_other_trials(const std::filesystem::path& given, const std::filesystem::path& file) {
+    const std::filesystem::path folder = file.parent_path();
+    if (file.filename() != "findings.json" || !design_in(folder)) return false;
+    std::error_code unknown;
+    return is_side_table(given) ||
+           !std::filesystem::equivalent(folder_of(given) / "summary.json", folder / "summary.json", unknown);
+}
+
 // Other files of the run, the study or the dataset that end in .json, too.
 void refuse_results(const std::filesystem::path& given, const std::filesystem::path& file) {
+    if (is_of_other_trials(given, file))
+        throw Error(ExitCode::kUsage,
+                    "--out {}: this folder has the findings of its own trials.csv: name another folder, or a "
+                    "file",
+                    file.string());
     std::error_code unknown;
     for (const char* name : {"", "summary.json", "claims.json", "compensators.json", "participants.json",
                              "dataset_description.json", "task-needle_beh.json"}) {
@@ -96,7 +118,9 @@ void write_to(const std::filesystem::path& out, const std::filesystem::path& giv
     const std::filesystem::path file = output_file(out, "findings.json");
     refuse_results(given, file);
     write_findings(analysis.findings, file);
-    if (file != out && !analysis.claims.empty()) write_claims(analysis.claims, out / "claims.json");
+    if (file == out) return;
+    if (!analysis.claims.empty()) return write_claims(analysis.claims, out / "claims.json");
+    remove_file(out / "claims.json");  // of an earlier analysis
 }
 
 void say(const Analysis& analysis) {

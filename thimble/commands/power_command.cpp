@@ -22,7 +22,8 @@ namespace {
 
 struct PowerArguments {
     std::string session, from, out;
-    PowerOptions power;
+    std::vector<double> delays_s;
+    PowerOptions power;  // as the session and the above have it
     bool json = false, overwrite = false;
 };
 
@@ -37,10 +38,22 @@ Provenance provenance_of(const PowerArguments& a, const std::vector<SettingChang
                        {"protocol.trials_per_modality", std::to_string(a.power.trials)}}});
 }
 
+// As typed, else as the session says, else the paper's. Refuses what the session's network cannot have before a trial is run.
+void take_delays(PowerArguments& a, const SystemSettings& settings) {
+    if (!a.delays_s.empty()) {
+        a.power.delays_s = a.delays_s;
+    } else if (settings.plan.names_delays) {
+        a.power.delays_s.clear();
+        for (const Duration delay : settings.plan.delays) a.power.delays_s.push_back(to_seconds(delay));
+    }
+    for (const double delay_s : a.power.delays_s) with_force_delay(settings, from_seconds(delay_s));
+}
+
 int say_power(PowerArguments a, const std::string& typed) {
     const auto changes = a.from.empty() ? std::vector<SettingChange>{} : read_fit(a.from);
     const SystemSettings settings = load_system_settings(a.session, changes);
     require_virtual_subjects(settings, "power");
+    take_delays(a, settings);
     if (!a.out.empty() && !a.overwrite) refuse_other_report(a.out);
     install_stop_signals();
     a.power.stop = &stop_requested();
@@ -61,11 +74,12 @@ int say_power(PowerArguments a, const std::string& typed) {
 }
 
 void add_options(CLI::App& power, PowerArguments& a) {
-    power.add_option("--delays-s,--delay-s", a.power.delays_s, "one-way delays of the force path, s")
+    power
+        .add_option("--delays-s,--delay-s", a.delays_s,
+                    "one-way delays of the force path, s (default: the session's, else 0.05)")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->type_name("S,...")
-        ->capture_default_str()
         ->check(CLI::Range(0.0, 10.0));
     power.add_option("--power", a.power.power, "power to reach: share of studies that find the difference")
         ->capture_default_str()

@@ -19,6 +19,7 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "session/participant/dataset.hpp"
 #include "study/fit/fit.hpp"
+#include "study/power/power.hpp"
 #include "study/ranks/ranks.hpp"
 #include "study/study.hpp"
 #include "study/sweeps/seed_sweep.hpp"
@@ -124,6 +125,17 @@ StudyDesign design_of(const StudyArguments& a) {
     return design;
 }
 
+void require_force_feedback(const StudyArguments& a, const std::vector<Protocol>& protocols) {
+    const bool there = std::any_of(protocols.begin(), protocols.end(), [](const Protocol& protocol) {
+        return std::count(protocol.modalities.begin(), protocol.modalities.end(), Modality::kHF) > 0;
+    });
+    if (there || a.compensators.empty()) return;
+    throw Error(ExitCode::kUsage,
+                "--compensators: delay compensators act in HF, but {} has no trials with HF: add \"HF\" to "
+                "[session] modalities, or leave --compensators out",
+                a.session);
+}
+
 // Each once, and none that HF has already: it would be the same condition twice.
 std::vector<Compensator> compensators_of(const StudyArguments& a, const SystemSettings& settings) {
     std::vector<Compensator> compensators;
@@ -139,6 +151,7 @@ std::vector<Compensator> compensators_of(const StudyArguments& a, const SystemSe
         if (std::find(compensators.begin(), compensators.end(), compensator) != compensators.end())
             throw Error(ExitCode::kUsage,
                         fmt::format("--compensators: {} is given twice: leave one out", name));
+        control_for(settings, compensator);  // an Error for a plug-in that the session does not name
         compensators.push_back(compensator);
     }
     return compensators;
@@ -189,6 +202,13 @@ SweepOptions sweep_options(const StudyArguments& arguments, const StudyDesign& d
     return options;
 }
 
+// The fit's values, which no session file has: --resume needs the same.
+std::string fit_text(const std::vector<SettingChange>& twin) {
+    std::string plan;
+    for (const SettingChange& change : twin) plan += fmt::format("fit: {} = {}\n", change.key, change.value);
+    return plan;
+}
+
 StudyOptions study_options(const StudyArguments& arguments, const StudyDesign& design) {
     auto options = options_of<StudyOptions>(arguments, design);
     options.paper_design = design.paper;
@@ -196,9 +216,12 @@ StudyOptions study_options(const StudyArguments& arguments, const StudyDesign& d
     if (arguments.axis != kCurveAxisNames[0]) options.curves = kPercentGrid;
     // A user's session names its delays itself.
     options.control = design.paper && !arguments.no_control;
+    require_force_feedback(arguments, design.protocols);
     options.compensators = compensators_of(arguments, design.settings);
-    if (!arguments.from.empty())
+    if (!arguments.from.empty()) {
+        options.plan = fit_text(twin_of(arguments.from));
         options.person = {bounds_table(delay_bounds(design.settings, arguments.from))};
+    }
     return options;
 }
 
@@ -214,6 +237,7 @@ int run_one_study(StudyArguments arguments) {
     }
     if (arguments.seeds > 1) return sweep_seeds(design.settings, sweep_options(arguments, design));
     const StudyOptions options = study_options(arguments, design);
+    refuse_other_report(options.out / "trials.csv", options.if_exists);
     const StudyResult result = run_study(design.settings, options);
     if (result.resumed > 0) spdlog::info("{} trials were already done", result.resumed);
     spdlog::info("simulated {:.0f} s in {:.2f} s: {:.0f} x real time", result.simulated_s, result.wall_s,

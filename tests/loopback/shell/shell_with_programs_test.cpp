@@ -61,7 +61,7 @@ TEST_F(ShellWithPrograms, AConnectionOutlivesItsProgram) {
     std::atomic<bool> to_the_end{false};
     const OuterServer server(SOCK_STREAM, [&](int socket) {
         const int caller = accept(socket, nullptr, nullptr);
-        const timeval patience{to_nanoseconds(kPatience) / 1'000'000'000, 0};
+        const timeval patience{kPatience / std::chrono::seconds{1}, 0};
         setsockopt(caller, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
         std::array<char, 2000> room{};
         ssize_t size = 0;

@@ -222,6 +222,16 @@ TEST(Findings, AnswersNamePairsThatAreNotToldApart) {
               HasSubstr("maximum penetration CF - CCF (-")));
 }
 
+// The answer leaves mean penetration out, but not where it says that every pair differs.
+TEST(Findings, EveryPairDiffersOnlyIfItDoesInEachMeasure) {
+    auto trials = rows(10);
+    EXPECT_THAT(answer(findings_of(trials))[2], StartsWith("Every pair differs; the results "));
+    const auto alike = rows(10, 3, {0.004, 0.004, 0.004, 0.004});
+    for (std::size_t i = 0; i < trials.size(); ++i)
+        trials[i].metrics.penetration_mean_m = alike[i].metrics.penetration_mean_m;
+    EXPECT_THAT(answer(findings_of(trials))[2], StartsWith("The results do not tell"));
+}
+
 // Too many to name are counted.
 TEST(Findings, ManyPairsThatAreNotToldApartAreCounted) {
     const auto sentences = answer(findings_of(rows(10, 3, {0.004, 0.004, 0.004, 0.004})));

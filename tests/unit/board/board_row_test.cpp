@@ -1,7 +1,9 @@
 // Means, intervals and lines of rows.
 #include "study/board/board_row.hpp"
 
+#include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -57,6 +59,20 @@ TEST(BoardRow, ALineReadsBackToTheSameRow) {
     ASSERT_EQ(rows.size(), 1U);
     EXPECT_EQ(board_line(rows[0]), board_line(row));
     EXPECT_FALSE(rows[0].stable());
+}
+
+// An interrupted --overwrite leaves no page of the earlier board.
+TEST(RunBoard, ATableThatBeginsAnewHasNoPage) {
+    const TemporaryDirectory directory;
+    for (const char* page : {"board.html", "board.json", "board_cost.csv"})
+        std::ofstream(directory / page) << "earlier\n";
+    BoardPlan plan = read_board(board_folder());
+    keep_only(plan, {"CF", "every-sample", "0ms"});
+    const std::atomic<bool> stopped = true;
+    EXPECT_FALSE(run_board(plan, {directory.path(), IfExists::kReplace, 1, &stopped}));
+    for (const char* page : {"board.html", "board.json", "board_cost.csv"})
+        EXPECT_FALSE(std::filesystem::exists(directory / page)) << page;
+    EXPECT_TRUE(std::filesystem::exists(directory / "board.csv"));
 }
 
 }  // namespace

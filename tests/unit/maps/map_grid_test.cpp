@@ -84,7 +84,7 @@ TEST(MapGrid, ThePressIsAPassiveHands) {
 TEST(MapGrid, ASessionGivesItsSeedAndTheFilesThatItNames) {
     const TemporaryDirectory directory;
     SweepArguments arguments;
-    arguments.compensators = {"plugin"};
+    arguments.who = "virtual";
     arguments.session = (directory / "session.toml").string();
     write_text(arguments.session, "[session]\nseed = 7\n[slave_sim]\nscene = 'scene.toml'\n");
     write_text(directory / "scene.toml", "[tissue]\n[fixture]\n");
@@ -95,6 +95,8 @@ TEST(MapGrid, ASessionGivesItsSeedAndTheFilesThatItNames) {
     EXPECT_NE(grid_text(grid), before);
     arguments.seed = 8;
     EXPECT_EQ(grid_of(arguments).seed, 8U);
+    arguments.compensators = {"plugin"};
+    EXPECT_THROW(grid_of(arguments), Error) << "the session names no plug-in";
 }
 
 TEST(MapCells, RowsDoNotDependOnTheBlocksTheyAreMadeIn) {

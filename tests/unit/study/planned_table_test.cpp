@@ -4,10 +4,12 @@
 #include <fstream>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
 #include "common/text_file.hpp"
+#include "tests/refusal.hpp"
 #include "tests/unit/session/records.hpp"
 
 namespace thimble {
@@ -48,6 +50,12 @@ TEST(PlannedTable, WithoutItsPlanThereIsNoTable) {
     open_plan(table, plan, "map", "plan", IfExists::kContinue);
     EXPECT_EQ(read_text(table), "");
     EXPECT_EQ(read_text(plan), "plan");
+}
+
+TEST(PlannedTable, AMissingPlanIsNamed) {
+    const TemporaryDirectory directory;
+    EXPECT_THAT(refusal([&] { require_plan(directory / "trials.txt", "study", "plan"); }, ExitCode::kUsage),
+                testing::HasSubstr((directory / "trials.txt").string() + ": is missing"));
 }
 
 // Its trials would be others, so --resume and ranks refuse it.
