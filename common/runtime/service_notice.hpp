@@ -23,7 +23,7 @@ class ServiceNotice : boost::noncopyable {
     void ready() { say("READY=1"); }
     void stopping() { say("STOPPING=1"); }
     // Reports that the loop is alive, at most twice per watchdog period. Call it often; it never blocks.
-    // A manager that reads nothing is told two or three times, so that its queue keeps room for stopping().
+    // While a manager reads nothing, it gets two or three reports, so that its queue keeps room for stopping().
     void turns(SessionTime now);
 
   private:

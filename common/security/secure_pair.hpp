@@ -48,7 +48,7 @@ class SecurePair final : public Channel {
     std::uint32_t generation() const { return generation_; }
     bool established() const { return out_.armed(); }
     bool silent(SessionTime now) const { return now - heard_ > times_.silent; }
-    // This program stood still for so long and read no message: as InboundFlow::did_not_listen.
+    // As InboundFlow::did_not_listen().
     void did_not_listen(Duration time) { heard_ += time; }
     void renew() { renewal_wanted_ = true; }
     Role peer() const { return owner(ends_.remote); }

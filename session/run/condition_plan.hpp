@@ -48,7 +48,7 @@ struct ConditionPlan {
     RuntimeSettings runtime{};
     bool strict_rt = false;
     Duration answer_limit = std::chrono::seconds{60};  // of a node in lock-step
-    // A datagram's sender has answered before anybody waits for it: no debugger holds it up.
+    // A program waits for a datagram only after its sender has answered, so no debugger delays it.
     Duration datagram_limit() const { return std::min<Duration>(answer_limit, std::chrono::seconds{60}); }
     // The messages that session and nodes log, in NAME_<delay>ms.mcap in `out`.
     LogSettings log{LoggedMessages::kNone, {}, {}};

@@ -157,7 +157,7 @@ TEST_P(Attack, AFloodMovesNothing) {
     }));
     EXPECT_EQ(session_.foreign(), 0U);
     if (session_.state() != NodeState::kRunning) RecordProperty("trial_ended", 1);
-    // Whether the flood ends the trial may show late. Who hears of the next one has the flood behind it.
+    // Whether the flood ends the trial may show late. A node that hears of the next trial has read the flood.
     ASSERT_TRUE(session_.start()) << node_.words();
     expect_unmoved();
     const double seconds_s = to_seconds(wall_now() - begin);

@@ -186,8 +186,7 @@ struct DeviceLog {
     const char* pushed;
 };
 
-// The scripted hand stays in until it is told to come out.
-// It is told once the trial has beeped and the device has pushed.
+// The scripted hand stays in until the trial has beeped and the device has pushed.
 void withdraw_after_the_beep(RealRun& run, const DeviceLog& log, const std::function<void()>& come_out) {
     PlayedView view(run.base_port());
     EXPECT_TRUE(wait_until([&] {

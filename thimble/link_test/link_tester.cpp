@@ -113,7 +113,7 @@ void LinkTester::find_mtu() {
     for (std::size_t bytes = probe->traffic().bytes; bad - good > 1 && going_on();
          bytes = good + (bad - good) / 2) {
         const Passage found = passage(*probe, bytes);
-        if (found == Passage::kNoAnswer) break;  // the loss will say so
+        if (found == Passage::kNoAnswer) break;  // the report shows the loss
         if (found == Passage::kPasses) {
             good = bytes;
         } else {

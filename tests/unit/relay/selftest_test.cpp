@@ -111,7 +111,7 @@ TEST(SelftestDrain, IsAsLongAsPacketsCanBeOnTheirWay) {
     EXPECT_EQ(selftest_drain(settings, 28), settling + milliseconds{20 + 3 * 1000});
     settings.links.up.rate.queue_packets = 10;
     EXPECT_EQ(selftest_drain(settings, 28), settling + milliseconds{20 + 4 * 11});
-    // The same rate from a trace, and 1,500 bytes each 6 ms as somebody recorded them.
+    // The same rate from a trace, and a recording with a gap of 6 s.
     const Duration of_rate = selftest_drain(settings, 28);
     const RateSettings queue{.queue_packets = 10};
     settings.links.up.rate = queue;

@@ -45,7 +45,7 @@ TEST(SystemSettings, TheWindowOfTheGuardAloneIsForARealHandle) {
     EXPECT_EQ(settings_of(window + "[handle]\ndevice = 'falcon'").master.guard.energy_limit_J, 0.5);
     EXPECT_EQ(settings_of(window + "[handle]\ndevice = 'force-dimension'").master.guard.energy_limit_J, 0.5);
     EXPECT_THAT(session_refusal(window), HasSubstr("has an effect with energy_limit_J only"));
-    // What a slow master would lose between two samples.
+    // A slow master would forget these between two samples.
     EXPECT_THAT(session_refusal("[guard]\nenergy_limit_J = 0.1\nenergy_window_s = 0.0195\n[master]\n"
                                 "sample_period_s = 0.01\n"),
                 HasSubstr("energy_window_s"));
