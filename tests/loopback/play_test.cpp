@@ -303,31 +303,22 @@ TEST(Play, CtrlCAndSecondsAreGoodEnds) {
 TEST(Play, SaysWhatIsWrongAtTheStart) {
     const Folder folder;
     const PortBlock ports;
-    const std::string base = std::to_string(ports.base());
-    const auto program = built_programs() / "thimble";
-    Outcome outcome = run_to_end(
-        program, {"play", "--base-port", base, "--visual-command", (folder / "no_such_program").string()});
-    EXPECT_NE(outcome.code, 0);
-    EXPECT_NE(outcome.words.find("no_such_program"), std::string::npos) << outcome.words;
-
-    std::ofstream(folder / "trials.csv") << "something\n";
-    outcome = run_to_end(program, {"play", "--base-port", base, "--visual-command", "thimble-visual", "--out",
-                                   folder.write("x", "").parent_path().string()});
-    EXPECT_EQ(outcome.code, 2);
-    EXPECT_NE(outcome.words.find("trials.csv"), std::string::npos) << outcome.words;
-
-    std::ofstream(folder / "dataset_description.json") << R"({"Name": "x", "SubjectKind": "human"})";
-    outcome = run_to_end(program, {"play", "--base-port", base, "--visual-command", "thimble-visual", "--out",
-                                   folder.write("x", "").parent_path().string()});
-    EXPECT_EQ(outcome.code, 2);
-    EXPECT_NE(outcome.words.find("a dataset of human participants"), std::string::npos) << outcome.words;
+    const auto expect_refused = [&](int code, const std::string& words, const std::string& window,
+                                    const std::vector<std::string>& more) {
+        const Outcome outcome = run_thimble(
+            words_in(fmt::format("play --base-port {} --visual-command {}", ports.base(), window), more));
+        EXPECT_EQ(outcome.code, code) << outcome.words;
+        EXPECT_NE(outcome.words.find(words), std::string::npos) << outcome.words;
+    };
+    expect_refused(1, "no_such_program", folder / "no_such_program", {});
+    const std::string out = folder.write("trials.csv", "something\n").parent_path();
+    expect_refused(2, "trials.csv", "thimble-visual", {"--out", out});
+    folder.write("dataset_description.json", R"({"SubjectKind": "human"})");
+    expect_refused(2, "a dataset of human", "thimble-visual", {"--out", out});
 
     const NetworkSettings network = network_at(ports.base());
     const UdpChannel taken(network.at(Port::kSessionOrders), {"127.0.0.1", 0});
-    outcome = run_to_end(program, {"play", "--base-port", base, "--visual-command", "thimble-visual"});
-    EXPECT_EQ(outcome.code, 3);
-    EXPECT_NE(outcome.words.find(std::to_string(network.at(Port::kSessionOrders).port)), std::string::npos)
-        << outcome.words;
+    expect_refused(3, std::to_string(network.at(Port::kSessionOrders).port), "thimble-visual", {});
     EXPECT_TRUE(nodes_alive(ports.base()).empty());
 }
 

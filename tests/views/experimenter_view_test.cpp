@@ -246,7 +246,7 @@ TEST_F(ExperimenterView, SaysThatTheSessionDoesNotAnswer) {
     ASSERT_TRUE(screen_->type("p"));
     // More than one: a slow view repeats it more rarely than each 50 ms. The device's words have come before.
     ASSERT_TRUE(asked(OrderKind::kPause, 2));
-    wall_sleep(kOrderPatience);  // by the view's clock, which is this one: whoever is slow has waited as long
+    wall_sleep(kOrderPatience);  // the view reads the same clock, so a slow view has waited as long
     EXPECT_LE(session_->count(OrderKind::kPause), 41);
     const Image image = end();
     EXPECT_TRUE(alarmed(image));

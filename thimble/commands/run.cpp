@@ -14,7 +14,6 @@
 #include "analysis/report/report.hpp"
 #include "analysis/report/run_tables.hpp"
 #include "common/process/progress.hpp"
-#include "common/runtime/plugin_watch.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
@@ -25,7 +24,7 @@
 #include "session/settings/protocol.hpp"
 #include "session/virtual/lock_step_session.hpp"
 #include "session/virtual/ping_pong.hpp"
-#include "session/virtual/virtual_session.hpp"
+#include "session/virtual/virtual_condition.hpp"
 #include "study/study_folder.hpp"
 
 namespace thimble {
@@ -207,20 +206,8 @@ class Run {
     ConditionResult run_by_clock(const ConditionPlan& planned, const ConditionEvents& events) const {
         if (by(RunClock::kWall)) return run_condition(planned, events);
         if (by(RunClock::kLockStep)) return by_lock_step(planned, events);
-        return by_virtual_clock(planned, events);
-    }
-
-    // A plug-in is called in this program, which a call that hangs would keep for ever.
-    ConditionResult by_virtual_clock(const ConditionPlan& planned, const ConditionEvents& events) const {
-        const SystemSettings settings = with_force_delay(settings_, from_seconds(planned.delay_s));
-        std::optional<PluginWatch> watch;
-        if (settings.master.control.compensator == Compensator::kPlugin) watch.emplace();
-        return run_stepped_condition(planned, events, [&] {
-            if (watch) watch->expect(10 * kPluginLimitInLockStep);  // create() may load something
-            auto session = std::make_unique<VirtualSession>(settings);
-            if (watch) watch->expect(kPluginLimitInLockStep);
-            return session;
-        });
+        return run_virtual_condition(planned, events,
+                                     with_force_delay(settings_, from_seconds(planned.delay_s)));
     }
 
     ConditionResult by_lock_step(const ConditionPlan& planned, const ConditionEvents& events) const {

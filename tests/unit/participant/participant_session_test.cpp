@@ -259,14 +259,11 @@ TEST_F(ParticipantSessionTest, GivesUpWhenPeersAreLostAgainAndAgain) {
     EXPECT_THAT(result.problem, HasSubstr("the cable"));
 }
 
-TEST_F(ParticipantSessionTest, GivesUpOnAFullDiskWithoutNamingTheNetwork) {
-    trials_.outcomes.assign(9, EndReason::kDeviceFault);
-    EXPECT_EQ(run_to_end().code, ExitCode::kRunFailed);
-}
-
-TEST_F(ParticipantSessionTest, AGuardThatTripsAgainAndAgainIsNoNetworkError) {
-    trials_.outcomes.assign(9, EndReason::kSafetyStop);
-    EXPECT_EQ(run_to_end().code, ExitCode::kRunFailed);
+TEST_F(ParticipantSessionTest, GivesUpOnADiskOrAGuardWithoutNamingTheNetwork) {
+    for (const EndReason reason : {EndReason::kDeviceFault, EndReason::kSafetyStop}) {  // the guard's
+        trials_.outcomes.assign(3, reason);
+        EXPECT_EQ(run_to_end().code, ExitCode::kRunFailed) << to_string(reason);
+    }
 }
 
 TEST_F(ParticipantSessionTest, TheExperimenterRejectsAndExcludes) {
