@@ -9,7 +9,6 @@ namespace thimble {
 namespace {
 
 using nlohmann::json;
-using std::chrono::milliseconds;
 using testing::HasSubstr;
 
 TEST_F(RelayProgram, SaysThatNobodyListens) {
