@@ -103,6 +103,7 @@ TEST_F(Determinism, AResumedStudyIsTheUninterruptedOne) {
 
     options.out = folder_ / "interrupted";
     std::filesystem::create_directories(options.out);
+    std::filesystem::copy(folder_ / "0" / "trials.txt", options.out);
     std::ofstream(options.out / "trials.csv", std::ios::binary) << whole.substr(0, whole.size() / 2);
     const std::string curves = read_text(folder_ / "0" / "trials_curves.csv");
     std::ofstream(options.out / "trials_curves.csv", std::ios::binary)

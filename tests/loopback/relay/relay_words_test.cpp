@@ -75,12 +75,13 @@ TEST_F(RelayProgram, SaysWhatIsWrongWithACommandLine) {
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.printed, HasSubstr("thimble-netem --listen 9000"));
     EXPECT_THAT(run_netem({"node", "--help"}).printed, HasSubstr("--base-port"));
-    for (const char* of_relay : {"--profile=lte", "-plte", "--metrics=9464"})
+    for (const char* of_relay : {"--profile=lte", "--max-flows=2", "--metrics=9464"})
         EXPECT_THAT(run_netem({of_relay}).said, HasSubstr("--listen")) << of_relay;
 }
 
 TEST_F(RelayProgram, KeepsASettingThroughTheChangesOfAProfile) {
-    const auto profile = folder_.write("changes.toml", "delay_s = 0.01\n[[change]]\nat_s = 0\nloss = 0.5\n");
+    const auto profile = folder_.write(
+        "changes.toml", "[up]\ndelay_s = 0.01\n[down]\ndelay_s = 0.01\n[[change]]\nat_s = 0\nloss = 0.5\n");
     const std::string control = folder_ / "control";
     NetemProgram netem(
         in_front({"--profile", profile.string(), "--link", "delay_s=0.2", "--control", control}));
@@ -100,10 +101,10 @@ TEST_F(RelayProgram, ReportsThoughItsLogHasNoRoom) {
 }
 
 TEST_F(RelayProgram, SaysThatItHasNoWayToTheServer) {
-    NetemProgram netem({"--listen", "127.0.0.1:0", "--to", "240.0.0.1:9"});
+    NetemProgram netem({"--listen", "127.0.0.1:0", "--to", "255.255.255.255:9"});
     Client(netem.inlet()).say("hello");
-    EXPECT_TRUE(
-        wait_until([&] { return netem.said().find("240.0.0.1:9") != netem.said().rfind("240.0.0.1:9"); }));
+    EXPECT_TRUE(wait_until(
+        [&] { return netem.said().find("255.255.255.255:9") != netem.said().rfind("255.255.255.255:9"); }));
     netem.signal(SIGINT);
     EXPECT_EQ(netem.wait(), 0);
     EXPECT_THAT(netem.printed(), testing::Not(HasSubstr("--max-flows")));
@@ -126,7 +127,7 @@ TEST_F(RelayProgram, TestsItself) {
 }
 
 TEST_F(RelayProgram, AnInterruptedSelftestGivesNoVerdict) {
-    NetemProgram test({"--selftest", "--seconds", "5", "--link", "delay_s=6"});
+    NetemProgram test({"--selftest", "--seconds", "5", "--link", "delay_s=6s"});
     EXPECT_TRUE(wait_until([&] { return test.said().find("the test ends") != std::string::npos; }));
     test.signal(SIGINT);
     EXPECT_EQ(test.wait(), 1);
