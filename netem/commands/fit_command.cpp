@@ -26,7 +26,11 @@ struct FitArguments {
     std::string table;     // .dist of the standardised delays upwards; empty: none
 };
 
-MeasuredPath load(const std::string& file) { return parse_path(read_whole_file(file), file); }
+MeasuredPath load(const std::string& file) {
+    MeasuredPath path = parse_path(read_whole_file(file), file);
+    require_fates(path, file);
+    return path;
+}
 
 PathFit fit_and_say(const MeasuredPath& path, const std::string& file) {
     PathFit fit = fit_path(path);

@@ -222,18 +222,7 @@ Transitions count_losses(const MeasuredPath& path, PathFit& fit) {
     return transitions;
 }
 
-void require_fates(const MeasuredPath& path) {
-    for (const MeasuredPacket& packet : path.packets) {
-        if (packet.loss > 0 && packet.loss < 1)
-            throw Error(ExitCode::kData,
-                        "the loss column holds probabilities (such as {}), not fates of packets, which are 0 "
-                        "or 1: replay this trace with trace = \"FILE\"",
-                        packet.loss);
-    }
-}
-
 void fit_loss(const MeasuredPath& path, PathFit& fit) {
-    require_fates(path);
     fit.packets = path.packets.size();
     const Transitions t = count_losses(path, fit);
     if (fit.lost == 0) return;
@@ -348,6 +337,16 @@ void describe_loss(PathFit& fit) {
 }
 
 }  // namespace
+
+void require_fates(const MeasuredPath& path, const std::string& file) {
+    for (const MeasuredPacket& packet : path.packets) {
+        if (packet.loss > 0 && packet.loss < 1)
+            throw Error(ExitCode::kData,
+                        "{}: loss holds probabilities (such as {}), not fates of packets, which are 0 or 1: "
+                        "replay this trace with trace = \"{}\"",
+                        file, packet.loss, file);
+    }
+}
 
 PathFit fit_path(const MeasuredPath& path) {
     PathFit fit;

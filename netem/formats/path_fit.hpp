@@ -43,6 +43,8 @@ struct PathFit {
 
 // Throws Error (data) if there are fewer than two packets.
 PathFit fit_path(const MeasuredPath& path);
+// Throws Error (data): a loss is a probability, as a profile's trace has it. `file` is for the message.
+void require_fates(const MeasuredPath& path, const std::string& file);
 
 // Standardised delays as a table, for what no shape fits (print_jitter_table writes it).
 std::vector<double> standardised_delays(const MeasuredPath& path);

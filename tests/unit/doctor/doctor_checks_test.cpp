@@ -210,7 +210,7 @@ TEST(DoctorChecks, CanIsNeededByDrivesOnly) {
     expect_findings(
         check_can, {{{}, kNote, "this kernel has no CAN", "modprobe can_raw"},
                     {able, kNote, "no interface", "type vcan"},
-                    {over_udp, kNote, "no interface"},
+                    {over_udp, kNote, "no interface", "type vcan"},
                     {no_can, kFault, "this kernel has no CAN", "modprobe can_raw"},
                     {with(&Facts::can, {{{"can1", true, 100}}}, drives), kFault, "there is no interface can0",
                      "ip -br link"},

@@ -207,7 +207,8 @@ TEST(PathFit, NoLossIsABoundAndTooLittleIsRefused) {
     MeasuredPath path = runs_of({300});
     EXPECT_THAT(fit_path(path).sentences, Contains(HasSubstr("less than 1 % is (95 % confidence)")));
     path.packets[7].loss = 0.2;  // of a profile's trace
-    EXPECT_THAT(refusal([&] { fit_path(path); }, ExitCode::kData), HasSubstr("probabilities (such as 0.2)"));
+    EXPECT_THAT(refusal([&] { require_fates(path, "leo.csv"); }, ExitCode::kData),
+                HasSubstr("probabilities (such as 0.2)"));
     path.packets.resize(1);
     EXPECT_THROW(fit_path(path), Error);
 }
