@@ -55,8 +55,8 @@ struct StudyResult {
 };
 
 // Writes below options.out: trials.csv (a row is on the disk as soon as its trial is in), trials.txt (plan, session), control.csv,
-// no_lag.csv, hf_NAME.csv and the curves of each. After the trials it writes subjects.csv, findings.json, compensators.json, claims.json (the paper's design),
-// report.html, summary.json and figures/.
+// no_lag.csv, hf_NAME.csv and the curves of each. After the trials it writes subjects.csv, findings.json, compensators.json,
+// claims.json (the paper's design), report.html, summary.json and figures/.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 
 // subjects.csv: what was drawn for each virtual subject, SI units named in the columns. A line per subject of each cohort

@@ -93,7 +93,7 @@ def call(controller, kind, numbers):
 
 def serve(kind):
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for Thimble, which then ends this program
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # also where a call that hangs has ended Thimble
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # a call that hangs ends with Thimble
     if sys.argv[1:] == ['--describe']:
         lines = [kind.NAME or kind.__name__] + ['\t'.join(map(str, (name, *key))) for name, key in kind.KEYS.items()]
         ANSWERS.write(('\n'.join(lines) + '\n').encode())

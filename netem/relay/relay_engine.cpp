@@ -183,8 +183,10 @@ void RelayEngine::push(std::uint32_t link, const ReceiveBatch::Datagram& datagra
 std::optional<std::uint32_t> RelayEngine::flow_of(const FlowName& name, SessionTime received,
                                                   SessionTime now) {
     const auto found = table_.find(name, now);
-    if (!found) ++totals_.flows_refused;
-    if (!found) return std::nullopt;
+    if (!found) {
+        ++totals_.flows_refused;
+        return std::nullopt;
+    }
     if (found->fresh && !open_flow(found->place, received)) {
         ++totals_.flows_failed;
         table_.refuse(found->place);

@@ -72,15 +72,14 @@ class PacketRelay final : public SteeredRelay {
     PacketRelay(const PacketRelaySettings& settings, PacketSink* log, int wake);
     ~PacketRelay() override;
 
-    // One wait, not beyond `latest`, and what follows from it. False: no packet waited to be read.
+    // One wait, not beyond `latest`, and what follows from it. False: neither a packet nor `wake` was waiting.
     bool step(SessionTime latest);
     void change(SessionTime now, const LinkPair& links) override;
     RelayState state(SessionTime now) const override;
     SessionTime start() const { return start_; }
     const PortTotals& ports() const { return port_totals_; }
-    SessionTime tcp_read() const {
-        return tcp_read_;
-    }  // when the last packet of TCP was; SessionTime{}: none
+    // When the last packet of TCP was read; SessionTime{}: none.
+    SessionTime tcp_read() const { return tcp_read_; }
     bool empty() const { return links_[0].in_flight() + links_[1].in_flight() == 0; }
     const StageTotals& stages(RelayDirection direction) const {
         return stages_[static_cast<std::size_t>(direction)];

@@ -30,7 +30,7 @@ class ConditionRun : boost::noncopyable {
     // - run failed, if a stop of an earlier session holds (stop_file.hpp), or a machine has no such program or another version;
     // - network, with the words of the node that failed.
     void open();
-    // Throws Error (network), with its words, if a node has ended by itself.
+    // Throws Error (network), with its words, if a node has ended by itself and the run was not told to end.
     void check();
     // Runs one trial to its end, which may be that a peer was lost or a stop was asked for. `number` tells it
     // apart from the last one on the wire (session_process.hpp).
