@@ -59,4 +59,18 @@ inline StalePolicy read_stale_policy(const ConfigTable& table, StalePolicy defau
     return policy;
 }
 
+// Refuses samples, one each [master] sample_period_s, that come after `node` has taken the last for stale. `effect` is for the
+// message: "holds the needle before each sample". Throws Error (usage).
+inline void require_fresh_samples(const ConfigFile& file, const char* node, Duration period,
+                                  Duration stale_after,
+                                  const char* effect = "lets each force go stale before the next") {
+    if (period < stale_after) return;
+    const bool own = file.table(node).has("stale_after_s");
+    file.table(own ? node : "master")
+        .fail(own ? "stale_after_s" : "sample_period_s",
+              "{}: [master] sample_period_s is {:g}, [{}] stale_after_s {:g}; use a shorter period, or a "
+              "longer stale_after_s",
+              effect, to_seconds(period), node, to_seconds(stale_after));
+}
+
 }  // namespace thimble

@@ -9,22 +9,18 @@
 
 namespace thimble {
 
-MasterSettings read_master_settings(const ConfigTable& table) {
+namespace {
+
+MasterSettings read_master_table(const ConfigTable& table) {
     MasterSettings s;
     read_scaling(table, s);
     s.stale = read_stale_policy(table, s.stale, s.sample_period, std::chrono::seconds{1});
     table.read("oldest_force_s", s.oldest_force, 0, 3600,
-               "Older forces count as zero; 0: the longest round-trip delay of the session's network.");
+               "Older forces count as zero. Never less than the longest round-trip delay of the session's "
+               "network.");
     s.velocity = read_velocity_settings(table, s.sample_period, s.position_scale);
-    if (s.sample_period < s.stale.after) return s;
-    table.fail(
-        table.has("stale_after_s") ? "stale_after_s" : "sample_period_s",
-        "lets each force go stale before the next sample: sample_period_s is {:g}, stale_after_s {:g}; "
-        "use a shorter period, or a longer stale_after_s",
-        to_seconds(s.sample_period), to_seconds(s.stale.after));
+    return s;
 }
-
-namespace {
 
 void require_sampled_window(const ConfigTable& guard, const MasterSettings& s) {
     if (s.guard.energy_limit_J == 0 || s.guard.energy_window >= 2 * s.sample_period) return;
@@ -37,7 +33,8 @@ void require_sampled_window(const ConfigTable& guard, const MasterSettings& s) {
 }  // namespace
 
 MasterSettings read_master_settings(const ConfigFile& file, const GuardSettings& guard) {
-    MasterSettings s = read_master_settings(file.table("master"));
+    MasterSettings s = read_master_table(file.table("master"));
+    require_fresh_samples(file, "master", s.sample_period, s.stale.after);
     s.guard = read_guard_settings(file.table("guard"), guard);
     require_sampled_window(file.table("guard"), s);
     s.control = read_control_settings(file);
@@ -163,7 +160,7 @@ double MasterNode::handle_force_N(const ForceFeedback& feedback) {
 
 // So old may a force become under a network that takes so long there and back.
 Duration MasterNode::longest_age(Duration network_delay) const {
-    return settings_.oldest_force > Duration::zero() ? settings_.oldest_force : network_delay;
+    return std::max(settings_.oldest_force, network_delay);
 }
 
 Duration MasterNode::silence(SessionTime now) const { return std::max(now - heard_, age_.late(now)); }

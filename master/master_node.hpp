@@ -28,8 +28,8 @@ struct MasterSettings {
     double force_limit_N = kHandleFullScale_N;  // at the handle, before the device's own limit
     Duration sample_period = std::chrono::milliseconds{1};
     StalePolicy stale{StaleMode::kRamp};  // of the handle's force, without feedback
-    // What is older, by stale.after, counts as no feedback. 0: the longest delay of needle and force path that the session
-    // tells of.
+    // A force that is older by stale.after counts as no feedback. The longest delay of needle and force path that the session
+    // tells of is always allowed.
     Duration oldest_force{};
     GuardSettings guard;  // table [guard]: the last stage before the device
     // At the needle: velocity.quantum_m is position_scale x the encoder's step. sample_period is the one above.
@@ -38,8 +38,7 @@ struct MasterSettings {
     CodecSettings codec{};      // of table [codec]
 };
 
-// Table [master], and with it [guard], over the values of `guard`, and [control]; throws Error (usage).
-MasterSettings read_master_settings(const ConfigTable& table);
+// Tables [master], [control], [codec], and [guard] over the values of `guard`; throws Error (usage).
 MasterSettings read_master_settings(const ConfigFile& file, const GuardSettings& guard = {});
 
 class MasterNode {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/control/built_in_controllers.hpp"
+#include "common/stale_policy.hpp"
 #include "slave_sim/element_types.hpp"
 #include "slave_sim/needle_scene.hpp"
 
@@ -74,17 +75,6 @@ void require_one_end(const ConfigFile& file, const SlaveSettings& s) {
                                "another one, or [slave_sim] device = \"simulated\"");
 }
 
-void require_frequent_samples(const ConfigFile& file, const SlaveSettings& s) {
-    const Duration period = s.control.scale.sample_period;
-    if (period < s.stale_after) return;
-    const bool own = file.table("slave_sim").has("stale_after_s");
-    file.table(own ? "slave_sim" : "master")
-        .fail(own ? "stale_after_s" : "sample_period_s",
-              "holds the needle before each sample: [master] sample_period_s is {:g}, [slave_sim] "
-              "stale_after_s {:g}; use a shorter period, or a longer stale_after_s",
-              to_seconds(period), to_seconds(s.stale_after));
-}
-
 Duration longest_between_commands(const SlaveSettings& s) {
     const Duration period = s.control.scale.sample_period;
     return s.codec.command == HapticCodec::kNone ? period : std::max(period, s.codec.refresh);
@@ -120,7 +110,8 @@ SlaveSettings read_slave_settings(const ConfigFile& file) {
     own.read("stale_after_s", s.stale_after, 0.001, 10,
              "Time without a command after which the needle is held and every force is zero.");
     read_scaling(file.table("master"), s.control.scale);
-    require_frequent_samples(file, s);
+    require_fresh_samples(file, "slave_sim", s.control.scale.sample_period, s.stale_after,
+                          "holds the needle before each sample");
     const Duration apart = longest_between_commands(s);
     s.longest_step = std::max(s.longest_step, 2 * apart);
     own.read("longest_step_s", s.longest_step, 0.001, 10,

@@ -47,9 +47,8 @@ LoopLimits loop_limits(const SystemSettings& s) {
     limits.released_s =
         to_seconds(std::min({s.master.stale.after, s.cutaneous.stale.after, s.visual.stale.after}));
     limits.configured_s = to_seconds(session_settings(s).network_delay);
-    limits.late_s = to_seconds(s.master.stale.after);
-    if (s.master.oldest_force > Duration::zero())
-        limits.late_s += to_seconds(s.master.oldest_force) - limits.configured_s;
+    limits.late_s = to_seconds(s.master.stale.after) +
+                    std::max(0.0, to_seconds(s.master.oldest_force) - limits.configured_s);
     return limits;
 }
 

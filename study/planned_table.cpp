@@ -17,9 +17,9 @@ std::size_t lines_in(std::string_view text) {
 
 // Number of rows that are kept; the table is cut back to them.
 std::size_t rows_there(const std::filesystem::path& folder, const std::string& name, const std::string& what,
-                       const std::string& plan, IfExists if_exists) {
+                       const std::string& plan, IfExists if_exists, const std::vector<std::string>& results) {
     const auto table = folder / (name + ".csv");
-    open_plan(table, folder / (name + ".txt"), what, plan, if_exists);
+    open_plan(table, folder / (name + ".txt"), what, plan, if_exists, results);
     const std::size_t lines = lines_in(read_text_file(table));
     const std::size_t rows = lines > 0 ? lines - 1 : 0;
     keep_lines(table, rows);
@@ -58,18 +58,20 @@ void require_plan(const std::filesystem::path& plan_file, const std::string& wha
 }
 
 void open_plan(const std::filesystem::path& table, const std::filesystem::path& plan_file,
-               const std::string& what, const std::string& plan, IfExists if_exists) {
-    const std::string folder = table.parent_path().string();
+               const std::string& what, const std::string& plan, IfExists if_exists,
+               const std::vector<std::string>& results) {
+    const std::filesystem::path folder = table.parent_path();
     make_folder(folder);
     const bool begun = std::filesystem::exists(table);
     if (begun && if_exists == IfExists::kRefuse)
         throw Error(ExitCode::kUsage,
                     "{}: holds a {} already: continue it with --resume, replace it with --overwrite, or name "
                     "another folder with --out",
-                    folder, what);
+                    folder.string(), what);
     if (begun) CsvFile(table, IfExists::kContinue);  // an Error if another program writes it
     if (begun && if_exists == IfExists::kContinue) return require_plan(plan_file, what, plan);
     remove_file(table);  // a program that is killed leaves no table beside the plan of another
+    for (const std::string& name : results) remove_file(folder / name);
     write_text_file(plan_file, plan);
     CsvFile(table, if_exists);  // empty, or an Error
 }
@@ -80,8 +82,8 @@ std::string session_text(const SystemSettings& settings) {
 
 PlannedTable::PlannedTable(const std::filesystem::path& folder, const std::string& name,
                            const std::string& what, const std::string& plan, std::string_view header,
-                           IfExists if_exists)
-    : done_(rows_there(folder, name, what, plan, if_exists)),
+                           IfExists if_exists, const std::vector<std::string>& results)
+    : done_(rows_there(folder, name, what, plan, if_exists, results)),
       file_(folder / (name + ".csv"), IfExists::kContinue) {
     if (file_.is_new()) file_.write(header);
     file_.flush();

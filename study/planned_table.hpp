@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/csv/csv_file.hpp"
 #include "session/settings/system_settings.hpp"
@@ -19,16 +20,19 @@ std::string session_text(const SystemSettings& settings);
 void require_plan(const std::filesystem::path& plan_file, const std::string& what, const std::string& plan);
 
 // Begins the table of a plan, or goes on with it (kContinue): then the table is there, and in `plan_file` the text of its plan.
-// Throws Error (usage) if the folder holds one already, or one of another plan.
+// `results` are files in its folder that are made of the table: a table that begins removes those of an earlier one. Throws Error
+// (usage) if the folder holds one already, or one of another plan.
 void open_plan(const std::filesystem::path& table, const std::filesystem::path& plan_file,
-               const std::string& what, const std::string& plan, IfExists if_exists);
+               const std::string& what, const std::string& plan, IfExists if_exists,
+               const std::vector<std::string>& results = {});
 
 class PlannedTable {
   public:
     // In `folder`, made if missing. kContinue goes on behind the whole rows that are there, if they are of the same plan. `what` is
-    // for messages: "map". Throws Error (usage, run failed).
+    // for messages: "map". `results`: as of open_plan. Throws Error (usage, run failed).
     PlannedTable(const std::filesystem::path& folder, const std::string& name, const std::string& what,
-                 const std::string& plan, std::string_view header, IfExists if_exists);
+                 const std::string& plan, std::string_view header, IfExists if_exists,
+                 const std::vector<std::string>& results = {});
 
     std::size_t done() const { return done_; }  // rows, from the first on
     void append(std::string_view rows);         // whole lines; they are with the kernel then

@@ -8,6 +8,7 @@
 #include "common/control/built_in_controllers.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/runtime_settings.hpp"
+#include "common/stale_policy.hpp"
 #include "netem/packet_trace.hpp"
 #include "session/records/trajectory_file.hpp"
 
@@ -129,21 +130,6 @@ void check_agreement(const ConfigFile& file, const SystemSettings& s) {
           "bar_full_scale_N");
 }
 
-// The master and slave_sim refuse the same of theirs.
-void check_freshness(const ConfigFile& file, const SystemSettings& s) {
-    const auto check = [&](const char* node, Duration stale_after) {
-        if (s.master.sample_period < stale_after) return;
-        const bool own = file.table(node).has("stale_after_s");
-        file.table(own ? node : "master")
-            .fail(own ? "stale_after_s" : "sample_period_s",
-                  "lets each force go stale before the next: [master] sample_period_s is {:g}, [{}] "
-                  "stale_after_s {:g}; use a shorter period, or a longer stale_after_s",
-                  to_seconds(s.master.sample_period), node, to_seconds(stale_after));
-    };
-    check("cutaneous", s.cutaneous.stale.after);
-    check("visual", s.visual.stale.after);
-}
-
 void check_codec(const ConfigFile& file, const SystemSettings& s) {
     const CodecSettings& codec = s.slave.codec;
     const ConfigTable table = file.table("codec");
@@ -235,7 +221,9 @@ SystemSettings read_tables(const ConfigFile& file) {
     s.log = read_log_settings(file);
     settle_delays(file, s);
     check_agreement(file, s);
-    check_freshness(file, s);
+    const Duration period = s.master.sample_period;
+    require_fresh_samples(file, "cutaneous", period, s.cutaneous.stale.after);
+    require_fresh_samples(file, "visual", period, s.visual.stale.after);
     check_codec(file, s);
     return s;
 }

@@ -18,7 +18,6 @@
 #include "common/process/isolated.hpp"
 #include "common/process/progress.hpp"
 #include "common/random.hpp"
-#include "common/text_file.hpp"
 #include "study/board/board_plan.hpp"
 #include "study/planned_table.hpp"
 #include "study/worker_pool.hpp"
@@ -115,11 +114,6 @@ std::string reason_of(const std::exception& failure, const BoardPlace& place) {
     return as_field((impossible ? std::string(kNotPossible) : std::string()) + failure.what());
 }
 
-// That of an earlier board says nothing about a table that begins anew.
-void remove_board_page(const std::filesystem::path& folder) {
-    for (const char* name : {"board.html", "board.json", "board_cost.csv"}) remove_file(folder / name);
-}
-
 }  // namespace
 
 void condense(const std::vector<BoardTrial>& trials, std::uint64_t seed, BoardRow& row) {
@@ -158,10 +152,10 @@ BoardRow run_board_row(const BoardPlan& plan, std::size_t number) {
 }
 
 bool run_board(const BoardPlan& plan, const BoardOptions& options) {
-    PlannedTable table(options.out, "board", "board", plan_text(plan), board_header(), options.if_exists);
+    PlannedTable table(options.out, "board", "board", plan_text(plan), board_header(), options.if_exists,
+                       {"board.html", "board.json", "board_cost.csv"});
     const std::size_t first = table.done();
     if (first > 0) spdlog::info("{} of {} rows were already done", first, plan.rows());
-    if (first == 0) remove_board_page(options.out);
     Progress progress;
     const auto row = [&](std::size_t i) { return board_line(run_board_row(plan, first + i)); };
     const auto take = [&](const std::string& line) {

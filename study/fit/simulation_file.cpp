@@ -42,10 +42,9 @@ std::vector<std::optional<SimulatedPair>> read_pairs(const std::filesystem::path
 std::vector<std::optional<SimulatedPair>> prepare_fit(const std::filesystem::path& folder, IfExists if_exists,
                                                       const std::string& plan) {
     const auto table = folder / kSimulations;
-    open_plan(table, folder / "plan.txt", "fit", plan, if_exists);
+    open_plan(table, folder / "plan.txt", "fit", plan, if_exists, {"fit.json"});
     auto pairs = read_pairs(table);
     keep_lines(table, pairs.size());
-    if (pairs.empty()) remove_file(folder / "fit.json");
     return pairs;
 }
 

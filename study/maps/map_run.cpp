@@ -6,21 +6,12 @@
 #include "common/error.hpp"
 #include "common/process/progress.hpp"
 #include "common/runtime/realtime_loop.hpp"
-#include "common/text_file.hpp"
 #include "study/maps/cells.hpp"
 #include "study/maps/map_options.hpp"
 #include "study/planned_table.hpp"
 #include "study/worker_pool.hpp"
 
 namespace thimble {
-namespace {
-
-// That of an earlier map says nothing about a table that begins anew.
-void remove_figure(const std::filesystem::path& folder) {
-    for (const char* name : {"map.svg", "map.pdf", "map.tsv", "map.gp"}) remove_file(folder / name);
-}
-
-}  // namespace
 
 std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::size_t hands) {
     if (arguments.block > 0) return arguments.block;
@@ -31,10 +22,10 @@ std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::
 
 int run_map(const SweepArguments& arguments, const MapGrid& grid) {
     const std::filesystem::path folder = arguments.out;
-    PlannedTable table(folder, "map", "map", grid_text(grid), cells_header(), arguments.if_exists);
+    PlannedTable table(folder, "map", "map", grid_text(grid), cells_header(), arguments.if_exists,
+                       {"map.svg", "map.pdf", "map.tsv", "map.gp"});
     const std::size_t first = table.done();
     if (first > 0) spdlog::info("{} of {} cells were already done", first, grid.cells());
-    if (first == 0) remove_figure(folder);
     const std::size_t block = block_of(arguments, grid, worker_count(arguments.jobs));
     CellWriter writer(grid);
     Progress progress;

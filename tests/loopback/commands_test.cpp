@@ -186,6 +186,29 @@ TEST(CompensatorsProgram, GoesOnWithResumeAndTakesListsWithCommas) {
     EXPECT_EQ(read_text(folder / "half/compensator_trials.csv"), table);
 }
 
+TEST(CompensatorsProgram, InterruptedItKeepsItsTrialsAndNoPageOfAnEarlierComparison) {
+    const Folder folder;
+    for (const char* file : {"report.html", "summary.json", "compensators.csv", "own.csv"})
+        folder.write(fmt::format("out/{}", file), "of an earlier one\n");
+    folder.write("out/compensator_trials.csv", "");
+    Child child(built_programs() / "thimble",
+                words_in("compensators --subjects 1000 --overwrite --out " + (folder / "out").string()),
+                folder / "words");
+    const auto table = folder / "out/compensator_trials.csv";
+    const auto lines = [&] {
+        const std::string text = read_text(table);
+        return std::count(text.begin(), text.end(), '\n');
+    };
+    EXPECT_TRUE(wait_until([&] { return lines() > 1; }));
+    child.signal(SIGINT);
+    EXPECT_EQ(child.wait(kPatience), 1);
+    EXPECT_THAT(read_text(folder / "words"),
+                HasSubstr(fmt::format("{} trials are done and saved; continue with --resume", lines() - 1)));
+    for (const char* page : {"report.html", "summary.json", "compensators.csv"})
+        EXPECT_FALSE(std::filesystem::exists(folder / "out" / page)) << page;
+    EXPECT_TRUE(std::filesystem::exists(folder / "out/own.csv"));
+}
+
 // Each way to mistake one for the other, at each kind of reader and writer.
 TEST(FilesAndFolders, AreToldApart) {
     const Folder folder;

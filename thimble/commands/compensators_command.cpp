@@ -18,7 +18,6 @@
 #include "common/process/progress.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/realtime_loop.hpp"
-#include "common/text_file.hpp"
 #include "study/compensators/compensator_report.hpp"
 #include "study/compensators/compensator_table.hpp"
 #include "study/planned_table.hpp"
@@ -68,12 +67,6 @@ std::string compensators_command(const CompensatorsArguments& a) {
     return command;
 }
 
-// That of an earlier comparison says nothing about a table that begins anew.
-void remove_page(const std::filesystem::path& folder) {
-    for (const char* name : {"compensators.csv", "compensators.json", "report.html", "summary.json"})
-        remove_file(folder / name);
-}
-
 // All trials of the plan, done now or before. False if it was stopped.
 bool run_all(const SystemSettings& settings, const CompensatorsArguments& a,
              std::vector<CompensatorTrial>& trials) {
@@ -82,11 +75,10 @@ bool run_all(const SystemSettings& settings, const CompensatorsArguments& a,
         const std::filesystem::path folder(a.out), file = folder / "compensator_trials.csv";
         refuse_other_report(file, a.if_exists);
         open_plan(file, folder / "compensators.txt", "comparison", compensator_plan(settings, a.study),
-                  a.if_exists);
+                  a.if_exists, {"compensators.csv", "compensators.json", "report.html", "summary.json"});
         table.emplace(file, chosen_conditions(settings, a.study.names), trials);
     }
     std::size_t done = table ? table->done() : 0;
-    if (table && done == 0) remove_page(a.out);
     if (done > 0) spdlog::info("{} of {} trials were already done", done, trials.size());
     Progress progress;
     const auto take = [&](const CompensatorTrial& trial) {

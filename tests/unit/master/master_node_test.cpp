@@ -49,6 +49,22 @@ TEST_F(MasterInTrial, AForceThatIsTooOldCountsAsNone) {
     EXPECT_EQ(take(152, 2), 4);
 }
 
+// Else a session of a longer delay would have no force, and HF would not oscillate in it.
+TEST_F(MasterInTrial, TheOldestForceIsNeverYoungerThanTheNetworksDelay) {
+    const auto counts = [&](Duration oldest, int age_ms) {
+        MasterSettings settings;
+        settings.oldest_force = oldest;
+        MasterNode other(settings);
+        other.start_trial(begin, Modality::kHF, milliseconds{50});
+        return other.take(after(age_ms), ForceFeedback{.force_total_N = -4, .echo_time = begin}).has_value();
+    };
+    for (const milliseconds oldest : {milliseconds{10}, milliseconds{60}}) {
+        const int limit_ms = oldest == milliseconds{10} ? 150 : 160;
+        EXPECT_TRUE(counts(oldest, limit_ms - 1)) << limit_ms;
+        EXPECT_FALSE(counts(oldest, limit_ms)) << limit_ms;
+    }
+}
+
 TEST_F(MasterInTrial, AForceFadesWhileAllOthersComeTooLate) {
     EXPECT_EQ(take(60, 10), 4);
     EXPECT_EQ(take(165, 10), std::nullopt) << "5 ms older than counts";
@@ -125,7 +141,7 @@ TEST(MasterNode, APredictedForceReachesEachControllerAndIsNotReceived) {
 TEST(MasterSettings, RefusesASamplePeriodThatLetsEachForceGoStale) {
     const auto stale_after = [](const std::string& keys) {
         const ConfigFile file = ConfigFile::parse("[master]\n" + keys, "test");
-        return read_master_settings(file.table("master")).stale.after;
+        return read_master_settings(file).stale.after;
     };
     EXPECT_EQ(stale_after("sample_period_s = 0.09"), Duration{milliseconds{100}});
     for (const char* keys : {"sample_period_s = 0.1", "stale_after_s = 0.001"})

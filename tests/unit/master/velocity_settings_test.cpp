@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 
 VelocitySettings read(const std::string& keys) {
     const ConfigFile file = ConfigFile::parse("[master]\n" + keys, "test");
-    const VelocitySettings settings = read_master_settings(file.table("master")).velocity;
+    const VelocitySettings settings = read_master_settings(file).velocity;
     file.finish();
     return settings;
 }
