@@ -1,4 +1,7 @@
 // The logs of messages of a run in lock-step: the same each time, a file for each program and trial.
+#include <fstream>
+#include <map>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,14 +22,18 @@ constexpr const char* kLoggedSession =
 
 class LockStepLog : public testing::Test {
   protected:
-    Outcome run(const std::string& out, const std::string& clock, const std::vector<std::string>& more = {}) {
-        const std::string file = folder_.write("session.toml", session_).string();
-        return run_thimble(words_in(fmt::format("run {} --clock {} --out {} --base-port {}", file, clock,
-                                                (folder_ / out).string(), ports_.base()),
-                                    more));
+    // Its results are those of virtual time.
+    void run_well(const std::string& session, const std::vector<std::string>& more = {}) const {
+        const std::string file = folder_.write("session.toml", session).string();
+        const Outcome outcome =
+            run_thimble(words_in(fmt::format("run {} --clock lock-step --out {} --base-port {}", file,
+                                             out_.string(), ports_.base()),
+                                 more));
+        ASSERT_EQ(outcome.code, 0) << outcome.words;
+        EXPECT_EQ(whole_text(out_ / "trials.csv"), read_text(out_ / "virtual.csv"));
     }
-    fs::path log(const std::string& out, const std::string& program, int trial) const {
-        return folder_ / out / "nodes" / fmt::format("{}_50ms_trial{:02}.mcap", program, trial);
+    fs::path log(const std::string& program, int trial) const {
+        return out_ / "nodes" / fmt::format("{}_50ms_trial{:02}.mcap", program, trial);
     }
     // Topics, times and bytes.
     static std::string messages(const fs::path& path) {
@@ -44,9 +51,9 @@ class LockStepLog : public testing::Test {
         return all;
     }
     // `thimble log check` of the first trial's.
-    void expect_good_logs(const std::string& out) const {
+    void expect_good_logs() const {
         std::vector<std::string> check{"log", "check"};
-        for (const std::string& program : programs()) check.push_back(log(out, program, 1).string());
+        for (const std::string& program : programs()) check.push_back(log(program, 1).string());
         const Outcome outcome = run_thimble(check);
         EXPECT_EQ(outcome.code, 0) << outcome.words;
     }
@@ -63,48 +70,33 @@ class LockStepLog : public testing::Test {
         EXPECT_THAT(json, testing::StartsWith("{"));
         EXPECT_THAT(json, testing::EndsWith("}\n"));
     }
-    // `one` has the results of this session in virtual time.
-    void expect_results_of_virtual_time() {
-        ASSERT_EQ(run("virtual", "virtual").code, 0);
-        EXPECT_EQ(whole_text(folder_ / "one/trials.csv"), read_text(folder_ / "virtual/trials.csv"));
-    }
 
     const Folder folder_;
     const PortBlock ports_;
-    std::string session_ = kLoggedSession;
+    const fs::path out_ = folder_ / "out";
 };
 
 TEST_F(LockStepLog, IsTheSameEachTimeAndChangesNoByteOfTheResults) {
-    const auto run_well = [this](const char* out, const std::vector<std::string>& more = {}) {
-        const Outcome outcome = run(out, "lock-step", more);
-        ASSERT_EQ(outcome.code, 0) << outcome.words;
-    };
-    run_well("one");
-    run_well("other");
-    static_cast<void>(folder_.write("one/nodes/session_50ms_trial02.mcap", "to be replaced on request"));
-    run_well("one", {"--overwrite"});
-    expect_good_logs("one");
-    expect_only_messages_on_standard_output(log("one", "session", 2));
-    EXPECT_THAT(messages(log("one", "session", 2)), HasSubstr("/slave_sim/record"));
+    run_well(kLoggedSession);
+    std::map<fs::path, std::string> first;
     for (const std::string& program : programs()) {
-        for (const int trial : {1, 2}) {
-            SCOPED_TRACE(fmt::format("{} {}", program, trial));
-            const std::string one = messages(log("one", program, trial));
-            EXPECT_GT(one.size(), 1000U);
-            EXPECT_TRUE(one == messages(log("other", program, trial)));
-        }
+        for (const int trial : {1, 2}) first[log(program, trial)] = messages(log(program, trial));
     }
-    session_ = session_.substr(0, session_.find("[log]"));
-    expect_results_of_virtual_time();
+    for (const auto& [path, unused] : first) std::ofstream(path) << "to be replaced on request";
+    run_well(kLoggedSession, {"--overwrite"});
+    expect_good_logs();
+    expect_only_messages_on_standard_output(log("session", 2));
+    EXPECT_THAT(messages(log("session", 2)), HasSubstr("/slave_sim/record"));
+    for (const auto& [path, all] : first) {
+        EXPECT_GT(all.size(), 1000U) << path;
+        EXPECT_TRUE(all == messages(path)) << path;
+    }
 }
 
 // Five programs with haptic codecs: the bytes of virtual time, and no message that was not sent counts as lost.
 TEST_F(LockStepLog, OfCodecsLacksNothingAndHasTheResultsOfVirtualTime) {
-    session_ += "[codec]\ncommand = 'deadband-linear'\nforce = 'deadband'\n";
-    ASSERT_EQ(run("one", "lock-step").code, 0);
-    expect_good_logs("one");
-    session_.replace(session_.find("'all'"), 5, "'none'");
-    expect_results_of_virtual_time();
+    run_well(std::string(kLoggedSession) + "[codec]\ncommand = 'deadband-linear'\nforce = 'deadband'\n");
+    expect_good_logs();
 }
 
 }  // namespace

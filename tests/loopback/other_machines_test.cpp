@@ -141,7 +141,8 @@ TEST_F(OtherMachines, ANodeThatDiesEndsTheSessionEverywhere) {
     kill(run.node("thimble-slave-sim"), SIGKILL);
     EXPECT_EQ(run.end(), 3) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("thimble-slave-sim on 'robot' ended with code 137"));
-    EXPECT_EQ(run.only_reason(), EndReason::kPeerLost);
+    const TrialRow row = run.only_row();
+    EXPECT_EQ(outcome_text(row.reason, row.lost_peer), "peer_lost_slave_sim");
     EXPECT_FALSE(run.report("thimble-netem").is_null()) << "the others end in order";
     expect_nothing_left(run);
 }

@@ -56,7 +56,7 @@ class OwnProgram : public testing::Test {
     }
     // It waits for as long as a machine that stands still for a moment needs.
     void expect_lost(Role lost, const std::string& words) const {
-        const Outcome outcome = run(lock_step("out") + " --answer-limit-s 10");
+        const Outcome outcome = run(lock_step("out") + " --answer-limit-s 5");
         EXPECT_EQ(outcome.code, 3);
         EXPECT_THAT(outcome.words, HasSubstr(words));
         const auto rows = read_trial_table(folder_ / "out" / "trials.csv");
@@ -118,9 +118,10 @@ TEST_F(OwnProgram, ThatEndsIsShownWithItsLastWords) {
     expect_lost(Role::kSlaveSim, "slave.py ended with code 1: the needle is bent");
 }
 
-TEST_F(OwnProgram, ThatDoesNotAnswerIsNamed) {
-    change_within_trial("__import__('time').sleep(60)");
-    expect_lost(Role::kSlaveSim, "slave.py has not answered within 10 s");
+TEST_F(OwnProgram, WithoutAnEndForWavesSaysSo) {
+    std::string session = std::string(kOwnSession) + "[control]\ncompensator = 'wave'\n";
+    folder_.write("session.toml", session.replace(session.find("CF"), 2, "HF"));
+    expect_lost(Role::kSlaveSim, "slave.py ended with code 1: lock_step.py reads no waves");
 }
 
 // It would hold the session's clock for ever.

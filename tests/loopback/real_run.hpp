@@ -57,4 +57,15 @@ inline void expect_end(RealRun& run, int code, EndReason reason, const std::stri
     EXPECT_THAT(nodes_alive(run.base_port()), testing::IsEmpty());
 }
 
+// A node's report of a run in which it heard the others and nothing that it had to refuse.
+inline void expect_report(const nlohmann::json& report, const std::string& program) {
+    ASSERT_FALSE(report.is_null()) << program;
+    EXPECT_EQ(report.at("program"), program);
+    EXPECT_GT(report.at("accepted"), 0) << program;
+    for (const char* harmful :
+         {"malformed", "not_finite", "out_of_range", "second_sender", "unexpected_kind"}) {
+        EXPECT_EQ(report.at("refused").at(harmful), 0) << program << ' ' << harmful;
+    }
+}
+
 }  // namespace thimble

@@ -19,14 +19,11 @@ constexpr const char* kShort =
 
 class StepThrough : public testing::Test {
   protected:
-    std::vector<std::string> arguments(const std::string& text, const std::string& out) const {
-        return words_in(fmt::format("run {} --clock lock-step --out {} --base-port {}",
-                                    folder_.write("session.toml", text).string(), (folder_ / out).string(),
-                                    ports_.base()),
-                        {"--step"});
-    }
     Child start(const std::string& text) const {
-        return {built_programs() / "thimble", arguments(text, "out"), folder_ / "words", {typing_.input()}};
+        const auto run = words_in(fmt::format("run {} --clock lock-step --step --out {} --base-port {}",
+                                              folder_.write("session.toml", text).string(),
+                                              (folder_ / "out").string(), ports_.base()));
+        return {built_programs() / "thimble", run, folder_ / "words", {typing_.input()}};
     }
     std::string words() const { return read_text(folder_ / "words"); }
     bool says(const std::string& text) const {
@@ -55,9 +52,10 @@ TEST_F(StepThrough, ChangesNoByteAndNamesEachProgramsPid) {
     EXPECT_EQ(child.wait(2 * kPatience), 0) << words();
     EXPECT_THAT(words(), HasSubstr(", is next"));
     EXPECT_THAT(words(), HasSubstr("at 1.5"));
-    std::vector<std::string> plain = arguments(kShort, "plain");
-    plain.pop_back();
-    ASSERT_EQ(run_thimble(plain).code, 0);
+    const auto in_virtual_time =
+        words_in(fmt::format("run {} --clock virtual --out {}", (folder_ / "session.toml").string(),
+                             (folder_ / "plain").string()));
+    ASSERT_EQ(run_thimble(in_virtual_time).code, 0);
     EXPECT_EQ(whole_text(folder_ / "out/trials.csv"), read_text(folder_ / "plain/trials.csv"));
     const std::string trajectory = "trajectories/trial01_HF_50ms.csv";
     EXPECT_EQ(whole_text(folder_ / "out" / trajectory), read_text(folder_ / "plain" / trajectory));

@@ -14,6 +14,7 @@
 #include "common/runtime/wall_clock.hpp"
 #include "common/security/lab_key_file.hpp"
 #include "common/security/secret.hpp"
+#include "tests/loopback/programs.hpp"
 
 namespace thimble {
 
@@ -49,11 +50,25 @@ std::vector<std::string> words_in(const std::string& line, const std::vector<std
     return words;
 }
 
+namespace {
+
+// A run would spend up to a second on figures, at which no test of real programs looks.
+void hide_gnuplot(const std::filesystem::path& folder) {
+    std::filesystem::create_directory(folder);
+    replace_program(folder / "gnuplot", "exit 1");
+    const char* others = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe): before any thread
+    const std::string path = fmt::format("{}:{}", folder.string(), others == nullptr ? "" : others);
+    setenv("PATH", path.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): likewise
+}
+
+}  // namespace
+
 // Stops that programs of this test leave behind belong to this test alone, not to an earlier block of the same ports. The user key
 // is not the developer's.
 PortBlock::PortBlock() {
     static const Folder kStops;
     static int blocks = 0;
+    if (blocks == 0) hide_gnuplot(kStops / "bin");
     const std::filesystem::path stops = kStops / std::to_string(++blocks);
     std::filesystem::create_directory(stops);
     setenv("THIMBLE_STOP_DIR", stops.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): before any thread

@@ -40,7 +40,7 @@ class Folder {
 // A command line: the words of `line`, which spaces part, and then `more`.
 std::vector<std::string> words_in(const std::string& line, const std::vector<std::string>& more = {});
 
-// Ports for a test of real programs, and a place of its own for their stops.
+// Ports for a test of real programs, and a place of its own for their stops. From now on programs find no gnuplot.
 class PortBlock : public GuardedPorts {
   public:
     PortBlock();
