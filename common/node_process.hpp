@@ -54,6 +54,10 @@ class NodeProcess : public Process {
     // A person at this program stops everything, now.
     void stop_everything(SessionTime now, EndReason reason, std::string_view words);
     const StopBus& stop_bus() const { return stop_; }
+    // The program ends: its outputs rest now, whatever it does after the last tick.
+    void leave(SessionTime now) {
+        if (running()) give_up(now, EndReason::kInterrupted);
+    }
 
     // Number of deadlines missed in a row; 0: in time again. Called after each tick. From `limit` on the node counts
     // as late and the policy acts.

@@ -39,11 +39,8 @@ class CutaneousNode {
 
     // A trial runs in which the fingers are pressed.
     bool active() const { return next_percept_ != kNever; }
-    // The newest trial presses the fingers, of the hand that holds the handle or of the other one.
-    bool presses() const {
-        return modality_ == Modality::kCF || modality_ == Modality::kCCF ||
-               (modality_ == Modality::kHF && settings_.hand_share < 1);
-    }
+    // The newest trial presses the fingers.
+    bool presses() const { return settings_.presses(modality_); }
     // Without news: silent, or with forces that are too late.
     bool stale(SessionTime now) const { return stood_still_ || now - last_feedback_ > settings_.stale.after; }
 

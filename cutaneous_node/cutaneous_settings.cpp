@@ -30,6 +30,13 @@ CutaneousSettings read_cutaneous_settings(const ConfigTable& table) {
                    "raise guard_limit_N as well",
                    node.force_limit_N, node.guard_limit_N);
     }
+    if (!node.drives.bus.empty() && node.drives.resting_N() + node.force_limit_N > node.guard_limit_N) {
+        table.table("drives").fail(
+            "pretension_N",
+            "presses each finger with {:.3g} N at rest; with force_limit_N, {:g} N, this is more than "
+            "guard_limit_N, {:g} N: lower pretension_N or force_limit_N, or raise guard_limit_N",
+            node.drives.resting_N(), node.force_limit_N, node.guard_limit_N);
+    }
     return node;
 }
 

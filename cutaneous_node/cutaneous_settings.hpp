@@ -3,6 +3,7 @@
 
 #include "common/config.hpp"
 #include "common/hid/hid_link.hpp"
+#include "common/messages.hpp"
 #include "common/shared_values.hpp"
 #include "common/stale_policy.hpp"
 #include "common/time.hpp"
@@ -26,6 +27,12 @@ struct CutaneousSettings {
     TouchDiverSettings touchdiver{};
     // Of the force in HF, what the handle gives: 1, but with [control] compensator = "scaled". The rest is for the skin.
     double hand_share = 1;
+
+    // A trial of this kind presses fingers, of the hand that holds the handle or of the other one.
+    bool presses(Modality modality) const {
+        return modality == Modality::kCF || modality == Modality::kCCF ||
+               (modality == Modality::kHF && hand_share < 1);
+    }
 };
 
 CutaneousSettings read_cutaneous_settings(const ConfigTable& table);

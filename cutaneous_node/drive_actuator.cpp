@@ -9,7 +9,8 @@ namespace {
 // A cable is taut when its motor has come to rest under pretension.
 constexpr Duration kRestTime = std::chrono::milliseconds{100};
 constexpr double kAtRest_m = 1e-4;
-constexpr double kDrawInSpeed_m_per_s = 0.01;
+// Faster, the motor swings past pretension before its torque shows it, and nothing pays the cable out again.
+constexpr double kDrawInSpeed_m_per_s = 0.0025;
 // A pad that is let go needs up to 30 ms, and a busy machine may stretch them.
 constexpr double kSlackFor_s = 0.1;
 
@@ -24,8 +25,7 @@ DriveActuator::DriveActuator(const DriveSettings& settings, double force_limit_N
     cables_.assign(settings.master.nodes.size(),
                    Cable{0, 0, 0, false, SlackDetector(settings.slack_margin_m, kSlackFor_s), {}});
     for (const double relaxing : settings.pad.shares) relaxed_share_ -= relaxing;
-    const double resting_N = kCablesPerFinger * geometry_.normal_per_tension() * settings.pretension_N;
-    resting_m_ = pad_.indentation_m(resting_N / relaxed_share_);
+    resting_m_ = pad_.indentation_m(settings.resting_N() / relaxed_share_);
     fault_.reserve(std::tuple_size_v<decltype(DeviceFault::text)>);
 }
 
@@ -34,8 +34,8 @@ void DriveActuator::command(SessionTime now, Finger finger, double force_N) {
         settings_.fingers.begin(), settings_.fingers.end(),
         [&](const FingerDevice& device) { return device.hand == hand_ && device.finger == finger; });
     finger_ = finger;
-    if (!worn && finger != Finger::kNone) fail(now, DriveFaultKind::kNoDevice, settings_.master.nodes.size());
     force_N_ = finger == Finger::kNone ? 0 : shape_.shaped_N(force_N);
+    if (!worn && force_N_ > 0) fail(now, DriveFaultKind::kNoDevice, settings_.master.nodes.size());
 }
 
 void DriveActuator::release(SessionTime /*now*/) {
@@ -62,8 +62,9 @@ double DriveActuator::wound_m(std::size_t drive) const {
 }
 
 double DriveActuator::drawn_in_m(double tension_N, double share) const {
-    const double per_tension = kCablesPerFinger * geometry_.normal_per_tension();
-    const double pressed_m = pad_.indentation_m(per_tension * tension_N / share) - resting_m_;
+    const double resting_N = settings_.resting_N();
+    const double beyond_N = geometry_.normal_N({tension_N, tension_N, tension_N}) - resting_N;
+    const double pressed_m = pad_.indentation_m(resting_N / relaxed_share_ + beyond_N / share) - resting_m_;
     return geometry_.wound_m(std::max(pressed_m, 0.0));
 }
 
@@ -74,7 +75,7 @@ double DriveActuator::measured_N(std::size_t finger) const {
 
 FingertipForce DriveActuator::output(SessionTime now) {
     FingertipForce felt{Finger::kNone, 0, now};
-    const double resting_N = kCablesPerFinger * geometry_.normal_per_tension() * settings_.pretension_N;
+    const double resting_N = settings_.resting_N();
     for (std::size_t i = 0; ready() && i < settings_.fingers.size(); ++i) {
         const FingerDevice& finger = settings_.fingers[i];
         if (finger.hand != hand_) continue;
@@ -90,7 +91,7 @@ FingertipForce DriveActuator::output(SessionTime now) {
 
 void DriveActuator::set_tension(std::size_t drive, double tension_N) {
     if (settings_.master.mode == DriveMode::kSyncPosition) {
-        // The elastic force of the pad. The relaxed force is smaller; a held position presses with it.
+        // Of the first moment. The pad relaxes, so a held position presses less.
         master_.set_target(drive, settings_.cable.counts(drawn_in_m(tension_N, 1), cables_[drive].origin));
     } else {
         master_.set_target(drive, settings_.cable.torque_per_mille(tension_N, rated_torque_Nm(drive)));

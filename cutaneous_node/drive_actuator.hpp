@@ -53,8 +53,8 @@ class DriveActuator final : public FingertipActuator {
     double tension_N(std::size_t drive) const;
     double wound_m(std::size_t drive) const;
     double rated_torque_Nm(std::size_t drive) const;
-    // How far a cable under this tension is drawn in beyond where it stood under pretension, to which the pad had yielded: with
-    // share 1 if the pad resists with all of its elastic force, with relaxed_share_ once it has yielded to this force too.
+    // How far a cable under this tension is drawn in beyond where it stood under pretension, to which the pad had yielded. `share` of
+    // the elastic force that resists what is beyond pretension: 1 at first, relaxed_share_ once the pad has yielded to this too.
     double drawn_in_m(double tension_N, double share) const;
     void fail(SessionTime now, DriveFaultKind kind, std::size_t drive);
     void note_fault();

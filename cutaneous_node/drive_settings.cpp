@@ -50,6 +50,8 @@ void read_bus(const ConfigTable& table, DriveSettings& settings) {
     table.read("listen_port", address.listen_port, 1024, 65535,
                "cannelloni: UDP port for incoming datagrams.");
     if (settings.bus.compare(0, kPrefix.size(), kPrefix) != 0) {
+        if (table.has("listen_port"))
+            table.fail("listen_port", "has an effect with bus = \"cannelloni:HOST:PORT\" only: remove it");
         if (settings.bus.size() > kLongestInterface) {
             table.fail("bus", "must be the name of a CAN interface, or \"cannelloni:HOST:PORT\"");
         }

@@ -42,6 +42,11 @@ struct DriveSettings {
     Duration take_up_limit = std::chrono::seconds{3};
     double slack_margin_m = 0.003;
     PadParameters pad;
+
+    // Pretension alone presses a finger with this force. It is no part of the felt force.
+    double resting_N() const {
+        return FingerGeometry(cable_angle_rad).normal_N({pretension_N, pretension_N, pretension_N});
+    }
 };
 
 DriveSettings read_drive_settings(const ConfigTable& table);

@@ -34,10 +34,7 @@ class SimulatedActuator final : public FingertipActuator {
 
     void command(SessionTime now, Finger finger, double force_N) override {
         take_due_targets(now);
-        if (count_ == ring_.size()) {
-            --count_;
-            ++coalesced_;
-        }
+        if (count_ == ring_.size()) --count_;  // the later command replaces the one before it
         // Written so that a NaN is no force.
         const bool pressed = finger != Finger::kNone && force_N > 0;
         waiting(count_++) = {now + dead_time_, now, pressed ? std::min(force_N, limit_N_) : 0.0, finger};
@@ -65,9 +62,6 @@ class SimulatedActuator final : public FingertipActuator {
     void tick(SessionTime /*now*/) override {}
     SessionTime next_wakeup() const override { return kNever; }
     std::string_view fault() const override { return {}; }
-
-    // Commands replaced by a later one because too many came within one dead time.
-    std::uint64_t coalesced() const { return coalesced_; }
 
   private:
     // A lag never quite reaches zero; below this the cable counts as slack.
@@ -113,7 +107,6 @@ class SimulatedActuator final : public FingertipActuator {
     std::size_t count_ = 0;
     Target target_;  // in effect since target_.due
     Forces start_;   // at that moment
-    std::uint64_t coalesced_ = 0;
 };
 
 }  // namespace thimble

@@ -51,23 +51,6 @@ Duration longest_mean(const LinkSettings& link) {
     return mean;
 }
 
-// From the first position on, each row until the next; the last one until the trace begins again.
-double mean_of_ns(const PacketTrace& trace) {
-    const std::vector<TraceRow>& rows = trace.rows();
-    const TraceLayout& layout = trace.layout();
-    const bool linear = layout.between == TraceBetween::kLinear;
-    const TraceRow& behind = layout.end == TraceEnd::kWrap ? rows.front() : rows.back();
-    double sum = static_cast<double>(rows.front().at) * static_cast<double>(rows.front().delay.count());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        const bool last = i + 1 == rows.size();
-        const TraceRow& next = last ? behind : rows[i + 1];
-        const Duration delay = linear ? (rows[i].delay + next.delay) / 2 : rows[i].delay;
-        sum += static_cast<double>((last ? trace.period() : next.at) - rows[i].at) *
-               static_cast<double>(delay.count());
-    }
-    return sum / static_cast<double>(trace.period());
-}
-
 }  // namespace
 
 double least_mean_in_spreads(const JitterSettings& jitter) { return bounds_of(jitter).least_mean; }
@@ -138,7 +121,21 @@ void make_room_for_delay(LinkSettings& link) {
 
 Duration mean_delay(const LinkSettings& link) {
     if (link.trace == nullptr || !link.trace->layout().has_delay) return link.delay;
-    return std::chrono::microseconds{std::llround(mean_of_ns(*link.trace) / 1000)};
+    return std::chrono::microseconds{std::llround(link.trace->mean_delay_ns() / 1000)};
+}
+
+double mean_loss(const LinkSettings& link) {
+    const bool traced = link.trace != nullptr && link.trace->layout().has_loss;
+    return traced ? link.trace->mean_loss() : stationary_loss(link.loss);
+}
+
+Duration least_delay(const LinkSettings& link) {
+    if (link.reorder > 0 || link.jitter.shape != JitterShape::kNone) return {};
+    if (link.trace == nullptr || !link.trace->layout().has_delay) return link.delay;
+    const std::vector<TraceRow>& rows = link.trace->rows();
+    return std::min_element(rows.begin(), rows.end(),
+                            [](const TraceRow& a, const TraceRow& b) { return a.delay < b.delay; })
+        ->delay;
 }
 
 void set_delay(LinkSettings& link, Duration delay) {

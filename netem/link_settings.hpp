@@ -148,6 +148,10 @@ std::size_t packets_in_flight(const LinkSettings& link);
 void make_room_for_delay(LinkSettings& link);
 // Of all packets: `delay`, or the mean over one period of a trace that has delays, to the microsecond.
 Duration mean_delay(const LinkSettings& link);
+// Of all packets: the share that is lost in the long run, or the mean over one period of a trace that has losses.
+double mean_loss(const LinkSettings& link);
+// No packet is quicker. Zero with jitter, or where packets may skip the delay.
+Duration least_delay(const LinkSettings& link);
 // With room for it. The same delay changes nothing.
 void set_delay(LinkSettings& link, Duration delay);
 

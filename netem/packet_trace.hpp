@@ -52,6 +52,9 @@ class PacketTrace {
     // After which a trace that wraps begins again: the last row lasts as long as the one before it (a single row:
     // one packet, one second).
     std::int64_t period() const { return period_; }
+    // Over one period, each row until the next.
+    double mean_delay_ns() const { return mean_delay_ns_; }
+    double mean_loss() const { return mean_loss_; }
 
     const std::vector<TraceRow>& rows() const { return rows_; }
     const TraceLayout& layout() const { return layout_; }
@@ -60,6 +63,7 @@ class PacketTrace {
     std::vector<TraceRow> rows_;
     TraceLayout layout_;
     std::int64_t period_;
+    double mean_delay_ns_, mean_loss_;  // made once: a trace may have millions of rows
 };
 
 }  // namespace thimble

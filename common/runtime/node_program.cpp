@@ -139,6 +139,7 @@ void run_process(NodeInstance& instance, Process& process, const RuntimeSettings
         notice.turns(now);
         watch.turned(now, loop.statistics());
     });
+    instance.process().leave(wall_now());  // before log and report, which a slow disk can hold up
     notice.stopping();
 }
 

@@ -120,9 +120,18 @@ void refuse_wrong(const char* option, const std::string& wrong) {
     if (!wrong.empty()) throw Error(ExitCode::kUsage, "{} {} (--help lists the faults)", option, wrong);
 }
 
+void refuse_twins(std::vector<std::uint8_t> nodes) {
+    std::sort(nodes.begin(), nodes.end());
+    const auto twin = std::adjacent_find(nodes.begin(), nodes.end());
+    if (twin == nodes.end()) return;
+    throw Error(ExitCode::kUsage, "--nodes names node {} twice; each drive needs a node id of its own",
+                *twin);
+}
+
 int run_emulator(const EmulatorOptions& options) {
-    const OpenBus open = open_bus_for(options);
     const std::vector<std::uint8_t> nodes(options.nodes.begin(), options.nodes.end());
+    refuse_twins(nodes);
+    const OpenBus open = open_bus_for(options);
     EmulatedDrives drives(nodes, PlantParameters{}, *open.bus);
     for (const std::string& fault : options.faults) {
         refuse_wrong("--fault", drives.obey(wall_now(), fault));

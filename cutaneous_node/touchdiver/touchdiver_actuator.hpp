@@ -33,9 +33,8 @@ class TouchDiverActuator final : public FingertipActuator {
     SessionTime next_wakeup() const override { return turned_ + kPress; }
     std::string_view fault() const override { return text_; }
 
-    // The end: force 0, and the middleware stops. The words leave in the next ticks, until sent().
+    // The end: force 0, and the middleware stops. The words leave in the next ticks.
     void stop();
-    bool sent() const { return unsent_.empty(); }
     bool connected() const { return open_; }
     std::uint64_t forces() const { return forces_; }
     std::uint64_t bad_messages() const { return bad_messages_; }

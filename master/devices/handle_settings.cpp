@@ -29,6 +29,9 @@ void read_axis(const ConfigTable& table, AxisSettings& axis, double stiffest_N_p
                "virtual: damping beside the axis.");
     table.read("lateral_force_limit_N", axis.lateral_force_limit_N, 0, 20,
                "virtual: force limit beside the axis.");
+    for (const char* key : {"lateral_stiffness_N_per_m", "lateral_damping_Ns_per_m", "lateral_force_limit_N"})
+        if (table.has(key) && axis.lateral != LateralHold::kVirtual)
+            table.fail(key, "has an effect with lateral = \"virtual\" only, and lateral is \"clamps\"");
 }
 
 ForceDimensionSettings read_force_dimension(const ConfigTable& table) {

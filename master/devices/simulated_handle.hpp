@@ -41,20 +41,14 @@ class SimulatedHandle final : public SoftwareHandle {
     bool finished() const override { return operator_ && operator_->finished(); }
 
     double position_hand_m() const override { return limb_.position_hand_m(); }
-    // Milliseconds skipped because no call came for more than a second.
-    std::uint64_t skipped_ms() const { return skipped_ms_; }
-    // Null before the first trial.
-    const VirtualOperator* operator_in_trial() const { return operator_ ? &*operator_ : nullptr; }
 
   private:
-    static constexpr Duration kLongestGap = std::chrono::seconds(1);
+    static constexpr Duration kLongestGap = std::chrono::seconds(1);  // what is longer is skipped
 
     void advance(SessionTime now) override {
         if (!operator_) return;  // no hand holds the handle: it lies at z = 0
         if (const Duration excess = now - reached_ - kLongestGap; excess > Duration::zero()) {
-            const auto skipped = excess / kBrainTick;
-            reached_ += skipped * kBrainTick;
-            skipped_ms_ += static_cast<std::uint64_t>(skipped);
+            reached_ += excess / kBrainTick * kBrainTick;
         }
         while (now - reached_ >= Limb::kStep) {
             if (substep_ == 0) {
@@ -75,7 +69,6 @@ class SimulatedHandle final : public SoftwareHandle {
     Percept percept_;
     SessionTime reached_{};  // grid point
     unsigned substep_ = 0;   // of the millisecond under way
-    std::uint64_t skipped_ms_ = 0;
 };
 
 }  // namespace thimble

@@ -15,6 +15,7 @@ struct SessionSettings {
         std::chrono::milliseconds{1};  // as the master's; the record has a sample of each
     Duration network_delay{};          // needle and force path together, jitter included
     Duration force_delay{};            // the part of it that change_delay() replaces: the force path's mean
+    Duration least_force_delay{};      // no force is quicker, as configured
     Duration peer_wait = std::chrono::seconds{5};  // for a node to answer a start or an end
     // Added to peer_wait before the first trial: the user makes the handle ready (handle_settings.hpp).
     Duration user_limit{};

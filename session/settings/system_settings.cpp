@@ -130,6 +130,31 @@ void check_agreement(const ConfigFile& file, const SystemSettings& s) {
           "bar_full_scale_N");
 }
 
+// Each trial presses the index finger while the needle goes in, and the thumb while it comes out.
+void check_drives(const ConfigFile& file, const SystemSettings& s) {
+    if (s.cutaneous.device != FingertipDevice::kDrives) return;
+    const auto worn = [&](Hand hand, Finger finger) {
+        const auto& all = s.cutaneous.drives.fingers;
+        return std::any_of(all.begin(), all.end(), [&](const FingerDevice& device) {
+            return device.hand == hand && device.finger == finger;
+        });
+    };
+    for (const Modality modality : s.plan.modalities) {
+        if (!s.cutaneous.presses(modality)) continue;
+        const bool other = modality == Modality::kCCF;
+        const Hand hand = other ? Hand::kOther : Hand::kActing;
+        if (worn(hand, Finger::kIndex) && worn(hand, Finger::kThumb)) continue;
+        const char* const key = worn(hand, Finger::kIndex) ? (other ? "other_thumb" : "acting_thumb")
+                                                           : (other ? "other_index" : "acting_index");
+        file.table("cutaneous")
+            .table("drives")
+            .fail(key,
+                  "is empty, but {} presses this finger: name its drives, or leave {} out of [session] "
+                  "modalities",
+                  to_string(modality), to_string(modality));
+    }
+}
+
 void check_codec(const ConfigFile& file, const SystemSettings& s) {
     const CodecSettings& codec = s.slave.codec;
     const ConfigTable table = file.table("codec");
@@ -221,6 +246,7 @@ SystemSettings read_tables(const ConfigFile& file) {
     s.log = read_log_settings(file);
     settle_delays(file, s);
     check_agreement(file, s);
+    check_drives(file, s);
     const Duration period = s.master.sample_period;
     require_fresh_samples(file, "cutaneous", period, s.cutaneous.stale.after);
     require_fresh_samples(file, "visual", period, s.visual.stale.after);
@@ -311,6 +337,9 @@ SessionSettings session_settings(const SystemSettings& settings) {
     session.user_limit = std::max(user_limit(settings.handle), user_limit(settings.slave));
     session.sample_period = settings.master.sample_period;
     session.force_delay = settings.netem.force.delay;
+    session.least_force_delay = least_delay(settings.netem.force);
+    for (const LinkChange& change : settings.netem.force_timeline)
+        session.least_force_delay = std::min(session.least_force_delay, least_delay(change.settings));
     session.compensator = settings.master.control.compensator;
     session.network_delay += longest(settings.netem.needle, settings.netem.needle_timeline) +
                              longest(settings.netem.force, settings.netem.force_timeline);

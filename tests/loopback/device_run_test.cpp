@@ -104,6 +104,13 @@ TEST(DriveRun, TheEmulatorRefusesAWrongFaultBeforeItStarts) {
     EXPECT_THAT(refused.words, HasSubstr("--fault-when-pressed 'emyc 9 0x4210': unknown command"));
 }
 
+TEST(DriveRun, TheEmulatorRefusesTwoDrivesOfOneNode) {
+    const Outcome refused =  // the wrong fault would end it, too
+        run_to_end(built_programs() / "thimble-drive-emulator", {"--nodes", "3,1,3", "--fault", "none"});
+    EXPECT_EQ(refused.code, 2) << refused.words;
+    EXPECT_THAT(refused.words, HasSubstr("--nodes names node 3 twice"));
+}
+
 // The drives are here, so that what the program leaves behind shows before any drive misses a heartbeat.
 class DriveCheck : public testing::Test {
   protected:

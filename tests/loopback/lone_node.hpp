@@ -72,7 +72,8 @@ class LoneNode {
         return child_.wait(kPatience).value_or(-1);
     }
     std::string words() const { return read_text(folder_ / "words"); }
-    nlohmann::json report() const { return nlohmann::json::parse(read_text(folder_ / "report.json")); }
+    std::filesystem::path report_file() const { return folder_ / "report.json"; }
+    nlohmann::json report() const { return nlohmann::json::parse(read_text(report_file())); }
     // The peers' ends of its ports.
     Sockets& peers() { return peers_; }
     std::uint16_t base_port() const { return network_.base_port; }

@@ -1,7 +1,7 @@
 """touchdiver_middleware.py PORT [--close-when-pressed]: WEART's middleware with a TouchDIVER on each hand, for one client.
 
-It knows the messages from WEART's public SDKs, not from Thimble. It sends tracking as the real one does, and tells what it has got. A
-message that it does not know ends it with code 1.
+It knows the messages from WEART's public SDKs, not from Thimble. It sends tracking as the real one does, and tells what it has got:
+"pressed" and "slack" at once, the strongest forces at the end. A message that it does not know ends it with code 1.
 """
 
 import json
@@ -41,7 +41,10 @@ class Middleware:
             return self.answer()
         if match := FORCE.fullmatch(message):
             where = match[2], match[3]
+            pressed = any(self.forces.values())
             self.forces[where] = float(match[1])
+            if any(self.forces.values()) != pressed:
+                print("slack" if pressed else "pressed", flush=True)
             self.strongest[where] = max(self.strongest.get(where, 0), float(match[1]))
             return not (self.close_when_pressed and self.forces[where] > 0) and None
         if STOP_FORCE.fullmatch(message):

@@ -1,9 +1,11 @@
 // Trials that are felt through WEART TouchDIVERs: the real programs, and a middleware that knows the SDKs' messages only.
 #include <cstdlib>
+#include <sys/stat.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/loopback/lone_node.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {
@@ -19,12 +21,15 @@ class TouchDiverRun : public testing::Test {
         if (std::system("python3 -c 'import json, select, socket' > /dev/null 2>&1") != 0)
             GTEST_SKIP() << "there is no python3 with its standard library (package python3)";
     }
+    std::string tables() const {
+        return "[cutaneous]\ndevice = \"touchdiver\"\n[cutaneous.touchdiver]\nport = " +
+               std::to_string(ports_.base()) + "\n";
+    }
     // A session with it as the fingertip device.
     SessionFile session(const std::string& modality) {
         SessionFile file;
         file.modalities = "[\"" + modality + "\"]";
-        file.more = "[cutaneous]\ndevice = \"touchdiver\"\n[cutaneous.touchdiver]\nport = " +
-                    std::to_string(ports_.base()) + "\n";
+        file.more = tables();
         return file;
     }
     void listen(const std::vector<std::string>& more = {}) {
@@ -72,6 +77,29 @@ TEST_F(TouchDiverRun, AMiddlewareThatClosesEndsTheTrialAndTheRunSaysWhy) {
     ASSERT_EQ(run.only_reason(), EndReason::kDeviceFault);
     EXPECT_THAT(run.first_trial_end(), HasSubstr("device_fault_cutaneous"));
     EXPECT_THAT(end(), HasSubstr("LEFT INDEX 0."));
+}
+
+// The report is a pipe without a reader, in place of a slow disk.
+TEST_F(TouchDiverRun, AFingerIsLetGoBeforeTheReportIsWritten) {
+    listen();
+    LoneNode node("thimble-cutaneous", tables());
+    ASSERT_TRUE(node.ready()) << node.words();
+    ASSERT_EQ(mkfifo(node.report_file().c_str(), 0600), 0);
+    PlayedSession session(node, Role::kCutaneous, Modality::kCF);
+    OutboundFlow slave(Role::kSlaveSim, kSessionInstance, {node.peers().outlet(Port::kCutaneousForce)});
+    const auto push = [&](SessionTime now) {
+        ForceFeedback feedback;
+        feedback.force_total_N = -1;
+        feedback.echo_time = now;
+        slave.send(now, kPlayedTrial, feedback);
+    };
+    ASSERT_TRUE(session.play(push, [&] { return words().ends_with("\npressed\n"); })) << words();
+    node.process().signal(SIGTERM);
+    EXPECT_TRUE(session.play(push, [&] { return words().ends_with("\nslack\n"); })) << words();
+    ASSERT_FALSE(node.process().poll()) << node.words();
+    EXPECT_FALSE(node.report().empty());
+    EXPECT_EQ(node.process().wait(kPatience), 0) << node.words();
+    EXPECT_THAT(end(), HasSubstr("stopped"));
 }
 
 }  // namespace

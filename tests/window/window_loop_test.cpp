@@ -16,17 +16,6 @@
 #include <GLFW/glfw3.h>
 // clang-format on
 
-// GLFW's gamepad, played by the test: the program's own definitions come before those of the library.
-static bool gamepad_plugged = false, gamepad_held = false;
-extern "C" int glfwJoystickIsGamepad(int jid) {
-    return gamepad_plugged && jid == GLFW_JOYSTICK_1 ? GLFW_TRUE : GLFW_FALSE;
-}
-extern "C" int glfwGetGamepadState(int jid, GLFWgamepadstate* state) {
-    *state = {};
-    state->buttons[GLFW_GAMEPAD_BUTTON_A] = gamepad_held ? GLFW_PRESS : GLFW_RELEASE;
-    return glfwJoystickIsGamepad(jid);
-}
-
 namespace thimble {
 namespace {
 
@@ -339,24 +328,6 @@ TEST_F(WindowLoopTest, MouseTakesTheHandMovesItAndLetsGo) {
     ASSERT_TRUE(person(shown.loop, {"key", "Escape"}));
     shown.turns(20);
     EXPECT_FALSE(hand.hand().engaged);
-}
-
-TEST_F(WindowLoopTest, AGamepadThatIsPulledOutWhileItHoldsLetsGo) {
-    PointerHand hand(1e-4);
-    Shown shown("Thimble", &hand);
-    const auto engaged_when = [&](bool plugged, bool held) {
-        gamepad_plugged = plugged;
-        gamepad_held = held;
-        shown.loop.turn();
-        return hand.hand().engaged;
-    };
-    EXPECT_FALSE(engaged_when(true, false));
-    EXPECT_TRUE(engaged_when(true, true));
-    EXPECT_FALSE(engaged_when(false, true));
-    EXPECT_TRUE(engaged_when(true, true)) << "plugged in again, and held";
-    EXPECT_FALSE(engaged_when(true, false));
-    hand.take_hold();  // by the mouse
-    EXPECT_TRUE(engaged_when(false, false)) << "no gamepad is no reason to let go of the mouse";
 }
 
 TEST_F(WindowLoopTest, BackspaceIsAnEmergencyStopOnce) {

@@ -12,6 +12,13 @@ namespace {
 
 std::string text_of(const char* text) { return text == nullptr || *text == '\0' ? "gamepad" : text; }
 
+// The joysticks before it may be a SpaceMouse or a wheel. The very first if there is no gamepad.
+int first_gamepad() {
+    for (int joystick = GLFW_JOYSTICK_1; joystick <= GLFW_JOYSTICK_LAST; ++joystick)
+        if (glfwJoystickIsGamepad(joystick) == GLFW_TRUE) return joystick;
+    return GLFW_JOYSTICK_1;
+}
+
 }  // namespace
 
 void HandControls::hold_arrow(const WindowEvent& event) {
@@ -44,11 +51,10 @@ bool HandControls::read_gamepad(SessionTime now) {
         stick_read_ == SessionTime{} ? Duration::zero() : std::min(now - stick_read_, kLongestWait);
     stick_read_ = now;
     GLFWgamepadstate state{};
-    const bool there = glfwJoystickIsGamepad(GLFW_JOYSTICK_1) == GLFW_TRUE &&
-                       glfwGetGamepadState(GLFW_JOYSTICK_1, &state) == GLFW_TRUE;
+    const bool there = glfwGetGamepadState(gamepad_, &state) == GLFW_TRUE;
     if (vibration_ != nullptr && there == joystick_.name.empty()) {
-        joystick_ = there ? identity_of(text_of(glfwGetJoystickName(GLFW_JOYSTICK_1)),
-                                        text_of(glfwGetJoystickGUID(GLFW_JOYSTICK_1)))
+        joystick_ = there ? identity_of(text_of(glfwGetJoystickName(gamepad_)),
+                                        text_of(glfwGetJoystickGUID(gamepad_)))
                           : JoystickIdentity{};
         vibration_->plugged(joystick_);
     }
@@ -57,6 +63,7 @@ bool HandControls::read_gamepad(SessionTime now) {
     if (held != stick_held_) held ? hand_->take_hold() : hand_->let_go();
     stick_held_ = held;
     if (held) hand_->push(static_cast<double>(state.axes[GLFW_GAMEPAD_AXIS_LEFT_Y]), since);
+    if (!there) gamepad_ = first_gamepad();  // for the next reading
     return taken;
 }
 

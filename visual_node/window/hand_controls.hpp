@@ -31,7 +31,8 @@ class HandControls {
 
     PointerHand* hand_;
     Vibration* vibration_;
-    JoystickIdentity joystick_;  // GLFW's first gamepad; no name: there is none
+    int gamepad_ = 0;            // GLFW's number of it, until it is pulled out
+    JoystickIdentity joystick_;  // the same; no name: there is none
     SessionTime stick_read_{}, arrow_since_{}, arrow_read_{};
     int arrow_ = 0;  // the arrow key that is held: 1 into the tissue, -1 out
     bool stick_held_ = false;

@@ -85,7 +85,6 @@ std::optional<FalconReport> FalconReportReader::take(std::span<const std::uint8_
         if (filled_ == kFalconPacketBytes) {
             std::rotate(window_.begin(), window_.begin() + 1, window_.end());
             --filled_;
-            ++stray_bytes_;
         }
         window_[filled_++] = byte;
         if (filled_ < kFalconPacketBytes) continue;

@@ -52,12 +52,11 @@ class FalconReportReader {
     // The newest report that these bytes complete.
     std::optional<FalconReport> take(std::span<const std::uint8_t> bytes);
     std::uint64_t reports() const { return reports_; }
-    std::uint64_t stray_bytes() const { return stray_bytes_; }  // that belonged to no report
 
   private:
     FalconPacket window_{};
     std::size_t filled_ = 0;
-    std::uint64_t reports_ = 0, stray_bytes_ = 0;
+    std::uint64_t reports_ = 0;
 };
 
 }  // namespace thimble

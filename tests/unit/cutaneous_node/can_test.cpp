@@ -1,5 +1,6 @@
 // Bytes on the bus: cannelloni's datagrams, CANopen's services, the states of a drive.
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -164,6 +165,19 @@ TEST(CanBus, ErrorFramesSayWhatIsWrong) {
     EXPECT_EQ(trouble_of(frame), BusTrouble::kPassive);
     frame.id = 0x40;
     EXPECT_EQ(trouble_of(frame), BusTrouble::kNone) << "no error frame";
+}
+
+TEST(DriveCycle, ATimeIsSaidInTheLargestUnitThatFits) {
+    const auto said = [](Duration cycle) {
+        const auto time = interpolation_time(cycle);
+        return time ? std::pair<int, int>{time->count, time->exponent} : std::pair<int, int>{};
+    };
+    EXPECT_EQ(said(std::chrono::milliseconds{1}), (std::pair{1, -3}));
+    EXPECT_EQ(said(std::chrono::milliseconds{100}), (std::pair{100, -3}));
+    EXPECT_EQ(said(std::chrono::microseconds{500}), (std::pair{5, -4}));
+    EXPECT_EQ(said(std::chrono::microseconds{1250}), (std::pair{125, -5}));
+    EXPECT_EQ(said(std::chrono::microseconds{2560}), (std::pair<int, int>{})) << "256 hundredths";
+    EXPECT_EQ(said(Duration{0}), (std::pair<int, int>{}));
 }
 
 }  // namespace

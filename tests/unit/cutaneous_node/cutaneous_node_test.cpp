@@ -7,12 +7,15 @@
 #include <type_traits>
 #include <utility>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
 #include "cutaneous_node/cutaneous_process.hpp"
 #include "cutaneous_node/cutaneous_settings.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
+#include "tests/refusal.hpp"
+#include "tests/unit/cutaneous_node/drive_bench.hpp"
 #include "tests/unit/queue_ports.hpp"
 #include "tests/unit/session_time.hpp"
 
@@ -282,6 +285,16 @@ TEST_F(RunningCutaneous, AfterAStallTheFingersStaySlackUntilTheNextForce) {
     EXPECT_EQ(actuator.current.force_N, 0.5);
 }
 
+TEST_F(RunningCutaneous, LeavesNoFingerPressed) {
+    ASSERT_EQ(actuator.current.force_N, 1.2);
+    process.leave(now);
+    EXPECT_EQ(actuator.current.finger, Finger::kNone);
+    EXPECT_EQ(process.reason(), EndReason::kInterrupted);
+    const int releases = actuator.releases;
+    process.leave(now);
+    EXPECT_EQ(actuator.releases, releases) << "no trial, nothing to leave";
+}
+
 TEST_F(RunningCutaneous, AtRestNoForceReachesTheFingersThatComesMeanwhile) {
     process.set_overrun(OverrunPolicy::kRest, 3);
     process.deadlines_missed(now, 3);
@@ -320,6 +333,40 @@ TEST(CutaneousSettings, TheDeviceIsAskedForNoMoreThanTheGuardLetsThrough) {
     EXPECT_THROW(settings_of("guard_limit_N = 1"), Error);
     EXPECT_THROW(settings_of("force_limit_N = 6"), Error);
     EXPECT_EQ(settings_of("force_limit_N = 6\nguard_limit_N = 6").force_limit_N, 6);
+}
+
+// 0.2 N on each of three cables press with 0.56 N.
+TEST(CutaneousSettings, PretensionCountsForTheGuardsLimit) {
+    const auto drives = [](const std::string& limits) {
+        return settings_of(limits + "[cutaneous.drives]\nbus = \"can1\"\npretension_N = 0.2");
+    };
+    EXPECT_NEAR(drives("guard_limit_N = 2.1\n").drives.resting_N(), 0.564, 0.001);
+    EXPECT_THAT(refusal([&] { drives("guard_limit_N = 2\n"); }, ExitCode::kUsage),
+                testing::AllOf(testing::HasSubstr("cutaneous.drives.pretension_N"),
+                               testing::HasSubstr("0.564 N at rest")));
+    EXPECT_NO_THROW(settings_of("guard_limit_N = 1.5\n")) << "no drives";
+}
+
+TEST(DriveSettings, RefusesWhatCannotBe) {
+    for (const char* text : {"acting_index = [1, 2]", "acting_index = [4, 5, 6]", "acting_index = [1, 2, 2]",
+                             "acting_index = [1, 2, 127]", "acting_index = [1, 2, 2.5]",
+                             "mode = \"velocity\"", "mode = \"position\"\ncycle_s = 0.00256",
+                             "cycle_s = 0.05", "efficiency = 1.2", "node = 3", "listen_port = 20002",
+                             "acting_index = []\nacting_thumb = []\nother_index = []\nother_thumb = []"}) {
+        EXPECT_THROW(drive_settings(text), Error) << text;
+    }
+    for (const char* bus : {"cannelloni:", "cannelloni:host", "cannelloni::1", "cannelloni:host:0",
+                            "cannelloni:host:99999", "cannelloni:host:1x", "a_name_of_16_char"}) {
+        const ConfigFile file = ConfigFile::parse(std::string("bus = \"") + bus + "\"", "x");
+        EXPECT_THROW(read_drive_settings(file.root()), Error) << bus;
+    }
+    const ConfigFile file = ConfigFile::parse("bus = \"cannelloni:lab:20001\"\nlisten_port = 20002", "x");
+    const auto address = read_drive_settings(file.root()).cannelloni;
+    EXPECT_EQ(drive_settings("cycle_s = 0.00256").master.cycle, microseconds{2560}) << "by torque";
+    ASSERT_TRUE(address);
+    EXPECT_EQ(address->host, "lab");
+    EXPECT_EQ(address->port, 20001);
+    EXPECT_EQ(address->listen_port, 20002);
 }
 
 }  // namespace

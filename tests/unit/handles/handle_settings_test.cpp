@@ -101,7 +101,10 @@ TEST(RealHandleSettings, WhichFalconButtonStops) {
 TEST(RealHandleSettings, FirmwareNeedsItsSum) {
     EXPECT_ANY_THROW(handle_from("[handle.falcon]\nfirmware = \"a.bin\"\n"));
     EXPECT_ANY_THROW(handle_from("[handle.falcon]\nfirmware = \"a.bin\"\nfirmware_sha256 = \"abc\"\n"));
-    EXPECT_ANY_THROW(handle_from("[handle.falcon]\nlateral_stiffness_N_per_m = 4000\n"));
+    const std::string held = "[handle.falcon]\nlateral = 'virtual'\nlateral_stiffness_N_per_m = ";
+    EXPECT_ANY_THROW(handle_from(held + "4000\n"));
+    EXPECT_NO_THROW(handle_from(held + "3000\n"));
+    EXPECT_ANY_THROW(handle_from("[handle.falcon]\nlateral_stiffness_N_per_m = 3000\n")) << "clamps hold it";
     const std::string sum(64, 'a');
     EXPECT_EQ(handle_from("[handle.falcon]\nfirmware = \"a.bin\"\nfirmware_sha256 = \"" + sum + "\"\n")
                   .falcon.firmware_sha256,

@@ -55,6 +55,22 @@ TEST(SystemSettings, TheWindowOfTheGuardAloneIsForARealHandle) {
                     HasSubstr(fmt::format("'{}.stale_after_s' lets each force go stale", node)));
 }
 
+// Each trial in which a hand is pressed needs both of its fingers: drawing the needle out presses the thumb.
+TEST(SystemSettings, APressedHandHasTheDrivesOfBothFingers) {
+    const auto session = [](const std::string& modalities, const std::string& drives) {
+        return "[session]\nmodalities = [" + modalities +
+               "]\n[cutaneous]\ndevice = 'drives'\n[cutaneous.drives]\nbus = 'can0'\n" + drives;
+    };
+    const std::string one_hand = "other_index = []\nother_thumb = []\n";
+    EXPECT_NO_THROW(settings_of(session("'CF', 'CCF'", "")));
+    EXPECT_NO_THROW(settings_of(session("'HF', 'CF', 'VF'", one_hand)));
+    EXPECT_THAT(session_refusal(session("'CF', 'CCF'", one_hand)),
+                AllOf(HasSubstr("cutaneous.drives.other_index"), HasSubstr("CCF presses this finger")));
+    EXPECT_THAT(session_refusal(session("'CF'", "acting_thumb = []\n")),
+                HasSubstr("cutaneous.drives.acting_thumb"));
+    EXPECT_NO_THROW(settings_of(session("'VF'", "acting_thumb = []\n")));
+}
+
 // Keys of several types, lists of tables, and every session that comes with the program.
 TEST(AllParameters, AreListedOfAnyFileThatIsRead) {
     const TemporaryDirectory folder;
