@@ -8,6 +8,7 @@
 
 #include "common/error.hpp"
 #include "session/participant/dataset.hpp"
+#include "session/participant/order_file.hpp"
 #include "session/participant/record_table.hpp"
 #include "session/participant/tsv.hpp"
 
@@ -53,9 +54,15 @@ void write_note(const Dataset& dataset, std::uint32_t participant, const std::st
     TsvFile(dataset.corrections(), kColumns).append(fmt::format("{}", fmt::join(fields, "\t")));
 }
 
-// A trial that was run again counts as its repeat: nothing brings the replaced record back.
+// A trial may be included and still not count. One that was run again counts as its repeat: nothing brings the replaced record back.
 std::string why_already(const Exclusion* there, const DatasetRecord& record) {
     if (there != nullptr) return ": " + there->reason;
+    if (record.practice) return ", but practice never counts";
+    if (record.row.conditions.trial >= kFirstAttentionTrial)
+        return ", but the statistics leave out attention trials";
+    if (!ran_to_its_end(record.row))
+        return fmt::format(", but it ended as {} and so does not count",
+                           outcome_text(record.row.reason, record.row.lost_peer));
     if (record.repeat_of == 0) return {};
     return fmt::format(": record {} was run instead of record {}, which stays left out", record.record,
                        record.repeat_of);
@@ -67,7 +74,7 @@ void mark(const std::filesystem::path& folder, const std::string& name, std::uin
     const TurnLock lock(dataset.description());
     const DatasetRecord record = record_at(dataset, name, position);
     const std::uint32_t participant = participant_named(name);
-    const auto exclusions = read_exclusions(dataset.exclusions());
+    const auto exclusions = read_exclusions(dataset.exclusions(), LastLine::kMayBeTorn);
     const Exclusion* there = find_exclusion(exclusions, participant, record.record);
     const std::string before = there == nullptr ? "included" : to_string(there->kind);
     if (before == to_string(kind))
@@ -104,8 +111,8 @@ void include_trial(const std::filesystem::path& folder, const std::string& name,
     mark(folder, name, position, ExclusionKind::kIncluded, note);
 }
 
-void correct_person(const std::filesystem::path& folder, const std::string& name, const std::string& column,
-                    const std::string& given, const CorrectionNote& note) {
+std::string correct_person(const std::filesystem::path& folder, const std::string& name,
+                           const std::string& column, const std::string& given, const CorrectionNote& note) {
     const Dataset dataset = dataset_in(folder);
     const std::uint32_t participant = participant_named(name);
     const std::string value = checked(column, given);
@@ -113,6 +120,7 @@ void correct_person(const std::filesystem::path& folder, const std::string& name
     if (before == value) throw Error(ExitCode::kUsage, "{} of {} is {} already", column, name, value);
     write_note(dataset, participant, column, before, value, note);
     set_person_field(dataset, participant, column, value);
+    return value;
 }
 
 std::size_t count_corrections(const std::filesystem::path& file) {

@@ -23,9 +23,9 @@ void exclude_trial(const std::filesystem::path& folder, const std::string& parti
 // Takes back that it was excluded, or rejected and not run again.
 void include_trial(const std::filesystem::path& folder, const std::string& participant,
                    std::uint32_t position, const CorrectionNote& note);
-// A field of participants.tsv: age, sex, handedness or haptic_experience.
-void correct_person(const std::filesystem::path& folder, const std::string& participant,
-                    const std::string& column, const std::string& value, const CorrectionNote& note);
+// A field of participants.tsv: age, sex, handedness or haptic_experience. Returns the value as written: an age of 95 is "89+".
+std::string correct_person(const std::filesystem::path& folder, const std::string& participant,
+                           const std::string& column, const std::string& value, const CorrectionNote& note);
 
 // How many lines corrections.tsv has. Throws Error (data).
 std::size_t count_corrections(const std::filesystem::path& file);

@@ -36,7 +36,7 @@ struct LeftOutTrial {
 struct CountedTrials {
     std::vector<TrialRow> rows;  // one per trial of an order at most
     std::vector<LeftOutTrial> left_out;
-    std::vector<AttentionResult> attention;
+    std::vector<AttentionResult> attention;  // without those of excluded and rejected trials
     std::size_t participants = 0, records = 0, corrections = 0;
     std::size_t missing = 0;  // trials of the orders without a row that counts, practice aside
 };
@@ -48,11 +48,11 @@ inline std::optional<LeftOutTrial> judge(const DatasetRecord& record, const std:
         return LeftOutTrial{why, participant, record.position, record.record, std::move(reason)};
     };
     if (record.practice) return left_out(LeftOut::kPractice, "");
-    if (record.row.conditions.trial >= kFirstAttentionTrial) return left_out(LeftOut::kAttention, "");
     if (const Exclusion* mark = find_exclusion(exclusions, participant, record.record)) {
         const bool excluded = mark->kind == ExclusionKind::kExcluded;
         return left_out(excluded ? LeftOut::kExcluded : LeftOut::kRejected, mark->reason);
     }
+    if (record.row.conditions.trial >= kFirstAttentionTrial) return left_out(LeftOut::kAttention, "");
     const auto repeat = std::find_if(
         all.begin(), all.end(), [&](const DatasetRecord& other) { return other.repeat_of == record.record; });
     if (repeat != all.end()) return left_out(LeftOut::kSuperseded, repeat->repeat_reason);
@@ -67,6 +67,9 @@ inline CountedTrials counted_trials(const Dataset& dataset) {
     trials.attention = read_attention(dataset.attention());
     trials.corrections = count_corrections(dataset.corrections());
     const std::vector<Exclusion> exclusions = read_exclusions(dataset.exclusions());
+    std::erase_if(trials.attention, [&](const AttentionResult& result) {
+        return find_exclusion(exclusions, result.participant, result.record) != nullptr;
+    });
     for (const std::uint32_t participant : read_participants(dataset)) {
         const std::vector<DatasetRecord> records = read_records(dataset.records(participant));
         // A crash came before the first trial: there is nothing to count.

@@ -124,15 +124,25 @@ std::string line_of(std::uint32_t participant, SubjectKind kind, const PersonDes
                        human && p.consent ? "yes" : none);
 }
 
+// "n/a" says nothing: --resume does not repeat what is known of a person.
+bool agrees(const std::string& said, const std::vector<std::string_view>& there) {
+    std::vector<std::string_view> fields;
+    split_at('\t', said, fields);
+    return std::equal(fields.begin(), fields.end(), there.begin(), there.end(),
+                      [](auto ours, auto theirs) { return ours == kNotAvailable || ours == theirs; });
+}
+
+constexpr const char* kOldest = "89+";  // BIDS: a higher age could tell who the person is
+
 }  // namespace
 
 std::string age_text(const std::string& years) {
-    if (years == kNotAvailable) return years;
+    if (years == kNotAvailable || years == kOldest) return years;
     const auto age = parse_whole<std::int64_t>(years);
     if (!age || *age < 1 || *age > 120) {
-        throw Error(ExitCode::kUsage, "--age {}: must be whole years, 1 to 120, or n/a", years);
+        throw Error(ExitCode::kUsage, "age {}: must be whole years, 1 to 120, or n/a", years);
     }
-    return *age >= 89 ? "89+" : std::to_string(*age);
+    return *age >= 89 ? kOldest : std::to_string(*age);
 }
 
 std::string add_participant(const Dataset& dataset, std::uint32_t participant, SubjectKind kind,
@@ -145,8 +155,7 @@ std::string add_participant(const Dataset& dataset, std::uint32_t participant, S
         if (parse_participant(reader.field(0).text) != participant) continue;
         std::vector<std::string_view> there;
         for (std::size_t i = 0; i < kPersonColumns.size(); ++i) there.push_back(reader.field(i).text);
-        const bool same = fmt::format("{}", fmt::join(there, "\t")) == ours;
-        return same ? std::string() : fmt::format("{}", fmt::join(there, ", "));
+        return agrees(ours, there) ? std::string() : fmt::format("{}", fmt::join(there, ", "));
     }
     table.append(ours);
     return {};

@@ -58,14 +58,14 @@ struct PersonDescription {
     std::string sex = "n/a";                // M, F, O
     std::string handedness = "n/a";         // left, right, ambidextrous
     std::string haptic_experience = "n/a";  // with force-feedback devices: none, some, expert
-    bool consent = false;                   // the experimenter says that it was given
+    bool consent = false;                   // given on paper, as the experimenter says, or at the screen
     bool operator==(const PersonDescription&) const = default;
 };
 
-// "31", or "89+" for 89 and more. Throws Error (usage) for anything but 1 to 120, or "n/a".
+// "31", or "89+" for 89 and more. Throws Error (usage) for anything but 1 to 120, "89+" or "n/a".
 std::string age_text(const std::string& years);
 
-// Adds the participant if it is not there. Gives the line that stands in the file if it says something else.
+// Adds the participant if it is not there. Gives the line that stands in the file if it contradicts a known value of `person`.
 std::string add_participant(const Dataset& dataset, std::uint32_t participant, SubjectKind kind,
                             const PersonDescription& person);
 

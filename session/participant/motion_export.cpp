@@ -227,6 +227,11 @@ void export_participant_session(const Dataset& dataset, const fs::path& to, Moti
     for (const char* name : {"participants.tsv", "participants.json", "task-needle_beh.json", "README.md",
                              "exclusions.tsv", "attention.tsv", "corrections.tsv", ".bidsignore"})
         out.copy(name);
+    std::error_code absent;
+    for (const auto& file : fs::directory_iterator(dataset.folder() / "phenotype", absent)) {
+        const auto ending = file.path().extension();  // a crash may leave others
+        if (ending == ".tsv" || ending == ".json") out.copy(fs::path("phenotype") / file.path().filename());
+    }
     write_motion_description(to, read_description(dataset.description()));
 }
 

@@ -35,7 +35,7 @@ ParticipantSession::ParticipantSession(ParticipantSessionOptions options, TrialR
     agenda_.participant = options_.participant;
     agenda_.order = read_order(options_.dataset.order(options_.participant), options_.participant);
     agenda_.records = read_records(options_.dataset.records(options_.participant));
-    agenda_.exclusions = read_exclusions(options_.dataset.exclusions());
+    agenda_.exclusions = read_exclusions(options_.dataset.exclusions(), LastLine::kMayBeTorn);
     if (options_.pages == nullptr) return;
     const std::uint32_t blocks = agenda_.order.empty() ? 0 : agenda_.order.back().block;
     open_phenotype(options_.dataset, *options_.pages, blocks);
@@ -205,6 +205,7 @@ ParticipantSession::Answer ParticipantSession::ask(const std::string& prompt,
         if (stopped()) return Answer::kStop;
         if (const auto line = take_line()) return obey(*line);
         if (options_.lines != nullptr && options_.lines->ended()) {
+            if (!step) return Answer::kGo;  // nothing is left to be asked
             options_.say(kInputEnded);
             return Answer::kStop;
         }
@@ -299,7 +300,11 @@ void ParticipantSession::do_trial(const Step& step) {
                       record.row.reason == EndReason::kDeviceFault ||
                       record.row.reason == EndReason::kSafetyStop;
     lost_in_a_row_ = lost ? lost_in_a_row_ + 1 : 0;
-    if (!trial.fault.empty()) options_.say(printable(trial.fault));
+    // The runner knows more than the session's own clock: how a program ended, which file could not be written.
+    const bool explained =
+        record.row.reason == EndReason::kPeerLost || record.row.reason == EndReason::kDeviceFault;
+    const std::string words = explained ? runner_.problem() : trial.fault;
+    if (!words.empty()) options_.say(printable(words));
     options_.say(fmt::format("{}: {}", name_of(step), course_of(record)));
     if (is_attention(step.entry)) note_attention(record);
 }
@@ -321,7 +326,7 @@ void ParticipantSession::note_attention(const DatasetRecord& record) {
 
 // A crash may come between a trial's line and its line in attention.tsv.
 void ParticipantSession::note_missed_attention() {
-    const auto noted = read_attention(options_.dataset.attention());
+    const auto noted = read_attention(options_.dataset.attention(), LastLine::kMayBeTorn);
     for (const DatasetRecord& record : agenda_.records) {
         if (record.row.conditions.trial < kFirstAttentionTrial) continue;
         const bool there = std::any_of(noted.begin(), noted.end(), [&](const AttentionResult& result) {

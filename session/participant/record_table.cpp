@@ -122,10 +122,10 @@ void add_attention(const std::filesystem::path& file, const AttentionResult& res
     TsvFile(file, kAttentionNames).append({line.data(), line.size()});
 }
 
-std::vector<AttentionResult> read_attention(const std::filesystem::path& file) {
+std::vector<AttentionResult> read_attention(const std::filesystem::path& file, LastLine last) {
     std::vector<AttentionResult> all;
     if (!is_table(file)) return all;
-    CsvReader reader(file, kAttentionNames, '\t');
+    CsvReader reader(file, kAttentionNames, '\t', 0, last);
     while (reader.next()) {
         AttentionResult result;
         read_fields(reader, kAttentionColumns, result, 0, kNotAvailable);
@@ -152,10 +152,10 @@ void add_exclusion(const std::filesystem::path& file, Exclusion e) {
     TsvFile(file, kExclusionNames).append({line.data(), line.size()});
 }
 
-std::vector<Exclusion> read_exclusions(const std::filesystem::path& file) {
+std::vector<Exclusion> read_exclusions(const std::filesystem::path& file, LastLine last) {
     std::vector<Exclusion> all;
     if (!is_table(file)) return all;
-    CsvReader reader(file, kExclusionNames, '\t');
+    CsvReader reader(file, kExclusionNames, '\t', 0, last);
     while (reader.next()) read_fields(reader, kExclusionColumns, all.emplace_back());
     return all;
 }

@@ -49,7 +49,9 @@ struct AttentionResult {
 AttentionResult judge_attention(std::uint32_t participant, const DatasetRecord& record, Duration limit);
 void add_attention(const std::filesystem::path& file, const AttentionResult& result);
 // Of all participants, the last one of a trial that was run again; none if there is no file.
-std::vector<AttentionResult> read_attention(const std::filesystem::path& file);
+// A program that will add lines takes kMayBeTorn: adding one cuts off what a crash has left.
+std::vector<AttentionResult> read_attention(const std::filesystem::path& file,
+                                            LastLine last = LastLine::kWhole);
 
 // exclusions.tsv: trials that the experimenter rejected (run again) or excluded (left out for good), each
 // with a reason. The trials' own lines stay as they are.
@@ -66,8 +68,8 @@ struct Exclusion {
 
 // On the disk when it returns. Throws Error: usage, if the reason is empty; data, if the file is damaged.
 void add_exclusion(const std::filesystem::path& file, Exclusion exclusion);
-// Of all participants; none if there is no file.
-std::vector<Exclusion> read_exclusions(const std::filesystem::path& file);
+// Of all participants; none if there is no file. kMayBeTorn: as above.
+std::vector<Exclusion> read_exclusions(const std::filesystem::path& file, LastLine last = LastLine::kWhole);
 // The one of a record, null if there is none: an exclusion wins over a rejection. A later "included" takes back what stands before.
 const Exclusion* find_exclusion(const std::vector<Exclusion>& all, std::uint32_t participant,
                                 std::uint32_t record);

@@ -56,13 +56,6 @@ void check_person(const SystemSettings& settings, const ParticipantRun& run) {
     }
 }
 
-void check_virtual_subject(const SystemSettings& settings, const ParticipantRun& run) {
-    if (!run.starter || settings.handle.kind == HandleKind::kSimulated) return;
-    throw Error(ExitCode::kUsage,
-                "a virtual subject holds only the simulated handle, but [handle] device names another one: "
-                "remove it, or set [session] subject = \"human\"");
-}
-
 // Nodes that run already have the delay of their own file, which is to be this one. A blinded experimenter learns no delay.
 void check_delay(const SystemSettings& settings, const std::vector<OrderEntry>& order, bool attach) {
     const double delay_s = order.front().conditions.delay_s;
@@ -218,11 +211,18 @@ ParticipantSessionResult run_to_end(const SystemSettings& settings, const Partic
 
 }  // namespace
 
+void check_virtual_subject(const SystemSettings& settings) {
+    if (settings.plan.kind == SubjectKind::kHuman || settings.handle.kind == HandleKind::kSimulated) return;
+    throw Error(ExitCode::kUsage,
+                "a virtual subject holds only the simulated handle, but [handle] device names another one: "
+                "remove it, or set [session] subject = \"human\"");
+}
+
 ParticipantSessionResult run_participant(const SystemSettings& settings, const ParticipantRun& run) {
     const SubjectKind kind = settings.plan.kind;
     const std::uint32_t participant = participant_of(settings, run.participant);
     if (kind == SubjectKind::kHuman) check_person(settings, run);
-    if (kind == SubjectKind::kVirtual) check_virtual_subject(settings, run);
+    if (run.starter) check_virtual_subject(settings);
     const Dataset dataset(run.out);
     if (const auto found = dataset.kind(); found && *found != kind) dataset.open(kind, settings.dataset);
     bool written = false;

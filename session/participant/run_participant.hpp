@@ -40,6 +40,9 @@ struct ParticipantRun {
     std::function<void()> check_screen{};
 };
 
+// Throws Error (usage) if this program would start a real handle for a virtual subject.
+void check_virtual_subject(const SystemSettings& settings);
+
 // Throws Error: usage, if participant, order, folder and what was said do not fit together (nothing is
 // written then); network, if the nodes cannot be reached; data, if a file of the dataset is damaged.
 ParticipantSessionResult run_participant(const SystemSettings& settings, const ParticipantRun& run);

@@ -96,7 +96,8 @@ std::string participants_json() {
           {"Levels", {{"virtual", "a simulated operator"}, {"human", "a person"}}}}},
         {"consent",
          {{"Description",
-           "yes: the experimenter stated before the first trial that informed consent was given"},
+           "yes: informed consent was given before the first trial, as the experimenter stated, or at the "
+           "screen (phenotype/consent.tsv)"},
           {"Levels", {{"yes", "given"}}}}}};
     return json_text(json, 2) + '\n';
 }

@@ -128,10 +128,9 @@ TEST(ParticipantProgram, APersonsSessionIsCutAndGoesOn) {
 
     // The order stays as it began, though the file has changed.
     static_cast<void>(sessions.write("session.toml", std::string(kPerson) + "\nseed = 2"));
-    std::vector<std::string> resume = person;
-    resume.emplace_back("--resume");
-    const Outcome rest = sessions.run(resume);
+    const Outcome rest = sessions.run({"--attach", "--consent", "--resume"});
     EXPECT_EQ(rest.code, 0) << rest.words;
+    EXPECT_THAT(rest.words, testing::Not(HasSubstr("already has other values"))) << "age and sex are known";
     EXPECT_THAT(rest.words, HasSubstr("The one in the folder is used"));
     EXPECT_EQ(read_text(sessions.dataset().order(7)), order);
     const auto records = sessions.records();
@@ -150,7 +149,7 @@ TEST(ParticipantProgram, APersonsSessionIsCutAndGoesOn) {
 
 TEST(ParticipantProgram, TheExperimentersCommandsByPipe) {
     const ParticipantSessions sessions("subject = 7");
-    const Outcome run = sessions.run_with_input("\\n\\nr sneezed\\n\\n\\n", {"--commands"});
+    const Outcome run = sessions.run_with_input("\\n\\nr sneezed\\n\\n", {"--commands"});
     EXPECT_EQ(run.code, 0) << run.words;
     const auto records = sessions.records();
     ASSERT_EQ(records.size(), 3U) << run.words;
@@ -173,11 +172,12 @@ TEST(ParticipantProgram, TheExperimentersCommandsByPipe) {
     EXPECT_EQ(included.code, 0) << included.words;
     EXPECT_THAT(run_thimble({"analyse", data}).words, HasSubstr("2 of 3 records of 1 participant"));
     const Outcome corrected = run_thimble({"dataset", "correct", data, "--participant", "P07", "--column",
-                                           "age", "--value", "31", "--reason", "typing error", "--by", "LS"});
+                                           "age", "--value", "95", "--reason", "typing error", "--by", "LS"});
     EXPECT_EQ(corrected.code, 0) << corrected.words;
-    EXPECT_THAT(read_text(sessions.dataset().participants()), HasSubstr("\t31\t"));
+    EXPECT_THAT(corrected.words, HasSubstr("age of P07 is now 89+: typing error"));
+    EXPECT_THAT(read_text(sessions.dataset().participants()), HasSubstr("\t89+\t"));
     const std::string notes = read_text(sessions.dataset().corrections());
-    for (const char* part : {"\tit was another phone\n", "\tLS\t", "\tage\t", "\t31\ttyping error\n"})
+    for (const char* part : {"\tit was another phone\n", "\tLS\t", "\tage\t", "\t89+\ttyping error\n"})
         EXPECT_THAT(notes, HasSubstr(part));
 }
 
@@ -201,6 +201,7 @@ TEST(ParticipantProgram, ALostNodeIsStartedAnewAndItsTrialRepeated) {
     ASSERT_EQ(records.size(), 3U) << sessions.words();
     EXPECT_EQ(records[0].row.reason, EndReason::kPeerLost);
     EXPECT_EQ(records[0].row.lost_peer, Role::kVisual);
+    EXPECT_THAT(sessions.words(), HasSubstr("thimble-visual ended with code 137"));
     EXPECT_EQ(records[1].repeat_of, 1U);
     EXPECT_EQ(records[1].repeat_reason, "peer_lost_visual");
     EXPECT_EQ(records[1].row.reason, EndReason::kCompleted);

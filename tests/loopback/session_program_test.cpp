@@ -130,6 +130,8 @@ TEST_F(SessionOfAUser, WhatAStudyCannotObeyIsRefusedByName) {
                    AllOf(HasSubstr("delays_s"), HasSubstr("thimble-netem")));
     for (const char* person : {"--age=31", "--sex=F", "--handedness=left", "--haptic-experience=none"})
         expect_refused("run", "", {person}, HasSubstr("--haptic-experience need"));
+    for (const char* person : {"--age=31", "--consent"})
+        expect_refused("run", kSmall, {person}, HasSubstr("[session] subject names a virtual one"));
     expect_refused("study", std::string(kHome) + kSmall, {"--compensators", "plugin"},
                    HasSubstr("names no plug-in"));
     expect_refused("study", "[session]\nmodalities = ['CF']\n", {"--compensators", "wave"},
@@ -201,6 +203,16 @@ TEST_F(SessionOfAUser, CheckSaysWhichTrialsAreMeant) {
                       HasSubstr("thimble study: 4 trials with 2 virtual subjects")));
     EXPECT_THAT(check("[session]\ndelays_s = [0.0, 0.1]\n" + std::string(kSmall)),
                 HasSubstr("thimble run: does not accept this session: [session] delays_s"));
+    const auto refused = [](const char* why) {
+        return HasSubstr(std::string("thimble run: does not accept this session: ") + why);
+    };
+    EXPECT_THAT(check("[session]\nsubject = 3\n" + std::string(kSmall)), refused("participant P03"));
+    EXPECT_THAT(check(std::string(kSmall) + "[handle]\ndevice = 'pointer'\n"),
+                refused("a virtual subject holds only the simulated handle"));
+    EXPECT_THAT(check("[launch]\nmachine_master = 'lab2'\n"), refused("[network].host_session is 127.0.0.1"));
+    EXPECT_THAT(check("[handle]\ndevice = 'ros2'\n[launch]\nmachine_visual = 'lab2'\n"),
+                testing::AnyOf(refused("[handle] device = \"ros2\" works on one machine only"),
+                               HasSubstr("thimble-ros2-master, which is missing")));
     EXPECT_THAT(check("[handle]\ndevice = 'pointer'\n"),
                 HasSubstr("thimble study: does not accept this session: [handle] device"));
     EXPECT_THAT(run_thimble({"check", "paper-experiment-1"}).words, HasSubstr("384 trials with 16"));

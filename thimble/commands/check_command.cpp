@@ -1,4 +1,5 @@
 // thimble check: what is wrong with a session file, or which trials it means.
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -12,11 +13,13 @@
 
 #include "common/error.hpp"
 #include "session/participant/order_file.hpp"
+#include "session/participant/run_participant.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/settings/system_settings.hpp"
 #include "session/virtual/energy_demand.hpp"
 #include "thimble/commands/commands.hpp"
+#include "thimble/commands/machines.hpp"
 #include "thimble/commands/shared.hpp"
 #include "thimble/doctor/checks.hpp"
 #include "thimble/doctor/facts.hpp"
@@ -34,10 +37,16 @@ std::string conditions_text(const SessionPlan& plan) {
 
 std::string run_text(const SystemSettings& settings) {
     const SessionPlan& plan = settings.plan;
+    LaunchSettings launch = settings.launch;
+    take_ros2_programs(settings, launch, false);
+    check_hosts(launch, network_of(settings.file.string(), 0));
     if (settings.protocol) {
+        check_virtual_subject(settings);
+        const std::uint32_t participant = std::max(1U, plan.subject);  // 0: --participant says it
         return fmt::format(
             "a session of {} trials ({} of them for practice) with one of {} planned participants",
-            plan_order(settings, 1).size(), settings.protocol->practice_trials, settings.protocol->subjects);
+            plan_order(settings, participant).size(), settings.protocol->practice_trials,
+            settings.protocol->subjects);
     }
     if (plan.kind == SubjectKind::kHuman)
         throw Error(ExitCode::kUsage,

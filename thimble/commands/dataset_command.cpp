@@ -41,13 +41,13 @@ CorrectionNote note_of(const DatasetArguments& a) {
 
 int include(const DatasetArguments& a) {
     include_trial(a.folder, a.participant, a.trial, note_of(a));
-    fmt::print("trial {} of {} counts again: {}\n", a.trial, a.participant, a.reason);
+    fmt::print("trial {} of {} is included again: {}\n", a.trial, a.participant, a.reason);
     return 0;
 }
 
 int correct(const DatasetArguments& a) {
-    correct_person(a.folder, a.participant, a.column, a.value, note_of(a));
-    fmt::print("{} of {} is now {}: {}\n", a.column, a.participant, a.value, a.reason);
+    const std::string written = correct_person(a.folder, a.participant, a.column, a.value, note_of(a));
+    fmt::print("{} of {} is now {}: {}\n", a.column, a.participant, written, a.reason);
     return 0;
 }
 

@@ -9,6 +9,7 @@
 #include "common/text_file.hpp"
 #include "session/launch/node_kinds.hpp"
 #include "session/launch/remote_starter.hpp"
+#include "session/launch/ros2_programs.hpp"
 #include "session/launch/unit_files.hpp"
 #include "thimble/commands/shared.hpp"
 
@@ -31,9 +32,29 @@ MachineVerdict check_node(const LaunchSettings& launch, const NodeKind& node,
     return check_machine(launch, node.role, node.program, log);
 }
 
+void take_ros2_program(const Ros2Program& ros2, LaunchSettings& launch, bool as_services) {
+    auto& program = launch.own_programs.at(static_cast<std::size_t>(ros2.role));
+    if (!program.empty()) return;
+    if (launch.anywhere_else())
+        throw Error(
+            ExitCode::kUsage,
+            "{} device = \"ros2\" works on one machine only: remove the keys machine_... from [launch]",
+            ros2.table);
+    if (as_services)
+        throw Error(ExitCode::kUsage,
+                    "{} device = \"ros2\": --print systemd has no unit for {}: start the session with "
+                    "'thimble run', without --print",
+                    ros2.table, ros2.name);
+    program = path_of(ros2);
+}
+
 std::string machine_text(const std::string& machine) { return machine.empty() ? "this machine" : machine; }
 
 }  // namespace
+
+void take_ros2_programs(const SystemSettings& settings, LaunchSettings& launch, bool as_services) {
+    for (const Ros2Program& ros2 : ros2_programs(settings)) take_ros2_program(ros2, launch, as_services);
+}
 
 void print_units(const std::filesystem::path& session, const LaunchSettings& launch,
                  const NetworkSettings& network, const std::filesystem::path& folder) {

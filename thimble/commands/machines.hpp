@@ -7,8 +7,13 @@
 #include "common/error.hpp"
 #include "common/network_settings.hpp"
 #include "session/settings/launch_settings.hpp"
+#include "session/settings/system_settings.hpp"
 
 namespace thimble {
+
+// Names the programs of nodes that speak ROS 2. Throws Error (usage) if one is missing, or if the session has other machines, or
+// runs `as_services`.
+void take_ros2_programs(const SystemSettings& settings, LaunchSettings& launch, bool as_services);
 
 // Prints a systemd unit for each node, or writes it to FOLDER/MACHINE/ where `folder` is not empty.
 void print_units(const std::filesystem::path& session, const LaunchSettings& launch,

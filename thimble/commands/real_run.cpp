@@ -112,6 +112,12 @@ int run_participant_for_real(RealRunArguments& arguments, const SystemSettings& 
     run.out = arguments.out_option->count() > 0 ? arguments.run.out : "out/dataset";
     run.network = arguments.run.network;
     run.person.age = age_text(run.person.age);
+    if (settings.plan.kind == SubjectKind::kVirtual && run.person != PersonDescription{}) {
+        throw Error(
+            ExitCode::kUsage,
+            "--consent, --age, --sex, --handedness and --haptic-experience describe a person, but "
+            "[session] subject names a virtual one: leave these options out, or set subject = \"human\"");
+    }
     run.strict_rt = arguments.run.strict_rt;
     run.stop = arguments.run.stop;
     run.check_screen = [&] { check_screen(settings, run.starter); };

@@ -13,7 +13,6 @@
 #include "common/runtime/standard_streams.hpp"
 #include "session/launch/node_starter.hpp"
 #include "session/launch/remote_starter.hpp"
-#include "session/launch/ros2_programs.hpp"
 #include "session/launch/unit_files.hpp"
 #include "session/play/play_starter.hpp"
 #include "thimble/commands/commands.hpp"
@@ -31,30 +30,13 @@ struct RunArguments : RealRunArguments {
     CLI::Option* answer_limit_option = nullptr;
 };
 
-void take_ros2_program(const Ros2Program& ros2, LaunchSettings& launch, bool as_services) {
-    auto& program = launch.own_programs.at(static_cast<std::size_t>(ros2.role));
-    if (!program.empty()) return;
-    if (launch.anywhere_else())
-        throw Error(
-            ExitCode::kUsage,
-            "{} device = \"ros2\" works on one machine only: remove the keys machine_... from [launch]",
-            ros2.table);
-    if (as_services)
-        throw Error(ExitCode::kUsage,
-                    "{} device = \"ros2\": --print systemd has no unit for {}: start the session with "
-                    "'thimble run', without --print",
-                    ros2.table, ros2.name);
-    program = path_of(ros2);
-}
-
 LaunchSettings launch_of(const RunArguments& arguments, const SystemSettings& settings) {
     LaunchSettings launch = settings.launch;
     if (!arguments.exec.empty()) launch.exec = arguments.exec;
     if (!arguments.programs.empty()) launch.programs = arguments.programs;
     if (exec_words(launch, "x").empty())
         throw Error(ExitCode::kUsage, "--exec is empty: give a command, or leave it out to use ssh");
-    for (const Ros2Program& ros2 : ros2_programs(settings))
-        take_ros2_program(ros2, launch, arguments.print == "systemd");
+    take_ros2_programs(settings, launch, arguments.print == "systemd");
     return launch;
 }
 

@@ -3,12 +3,14 @@
 
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
 #include "common/version.hpp"
+#include "session/participant/corrections.hpp"
 #include "session/participant/record_table.hpp"
 #include "tests/unit/participant/short_sessions.hpp"
 #include "tests/unit/session/records.hpp"
@@ -16,10 +18,12 @@
 namespace thimble {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 void expect_refused(const std::function<void()>& what, ExitCode code, const std::string& words) {
-    EXPECT_THAT(refusal(what, code), testing::HasSubstr(words));
+    EXPECT_THAT(refusal(what, code), HasSubstr(words));
 }
 
 TEST(Dataset, VirtualAndHumanDataNeverShareAFolder) {
@@ -102,6 +106,9 @@ TEST(Dataset, EveryColumnIsExplained) {
     const auto json = nlohmann::json::parse(read_text(parent / "d/task-needle_beh.json"));
     for (const std::string_view column : record_columns()) EXPECT_TRUE(json.contains(column)) << column;
     EXPECT_EQ(json.size(), record_columns().size() + 2);  // TaskName and TaskDescription, nothing stale
+    const auto people = nlohmann::json::parse(read_text(parent / "d/participants.json"));
+    EXPECT_THAT(people["consent"]["Description"].get<std::string>(),
+                AllOf(HasSubstr("as the experimenter stated, or at the screen"), HasSubstr("consent.tsv")));
 }
 
 // Tables of a dataset: what is written comes back, what is there is never altered, half a line does no harm.
@@ -134,7 +141,7 @@ TEST(RecordTable, ComesBack) {
     EXPECT_EQ(records[1].number, 17U);
     EXPECT_EQ(records[1].row.metrics.penetration_max_m, 1.0 / 3);
     EXPECT_EQ(records[1].row.conditions.fixture_position_m, order[1].conditions.fixture_position_m);
-    EXPECT_THAT(read_text(file), testing::Not(HasSubstr("\t\t")));  // BIDS: n/a, never nothing
+    EXPECT_THAT(read_text(file), Not(HasSubstr("\t\t")));  // BIDS: n/a, never nothing
 }
 
 TEST(RecordTable, HalfALineIsCutOffAndItsTrialRunAgain) {
@@ -208,6 +215,8 @@ TEST(Participants, ALineIsAddedAndNeverAltered) {
               "sub-07\thomo sapiens\t31\tF\tleft\tsome\thuman\tyes\n"
               "sub-08\thomo sapiens\tn/a\tn/a\tn/a\tn/a\thuman\tyes\n");
     EXPECT_EQ(add_participant(dataset, 7, SubjectKind::kHuman, person), "");
+    EXPECT_EQ(add_participant(dataset, 7, SubjectKind::kHuman, {.consent = true}), "") << "nothing was said";
+    EXPECT_EQ(add_participant(dataset, 7, SubjectKind::kHuman, {.sex = "F", .consent = true}), "");
     person.age = "32";
     EXPECT_THAT(add_participant(dataset, 7, SubjectKind::kHuman, person), HasSubstr("31, F"));
     EXPECT_EQ(read_text(dataset.participants()), before);
@@ -218,10 +227,31 @@ TEST(Participants, ALineIsAddedAndNeverAltered) {
 
 TEST(Participants, AgesAsBidsWantsThem) {
     for (const auto& [said, text] :
-         {std::pair{"31", "31"}, {"88", "88"}, {"89", "89+"}, {"104", "89+"}, {"n/a", "n/a"}})
+         {std::pair{"31", "31"}, {"88", "88"}, {"89", "89+"}, {"104", "89+"}, {"89+", "89+"}, {"n/a", "n/a"}})
         EXPECT_EQ(age_text(said), text);
     for (const char* wrong : {"", "0", "121", "-3", "31.5", "old"})
-        EXPECT_THROW(age_text(wrong), Error) << wrong;
+        EXPECT_THAT(
+            refusal([&] { age_text(wrong); }, ExitCode::kUsage),
+            AllOf(HasSubstr(fmt::format("age {}: must be whole years", wrong)), Not(HasSubstr("--"))));
+}
+
+TEST(Corrections, IncludeSaysWhyAnIncludedTrialDoesNotCount) {
+    const TemporaryDirectory folder;
+    const Dataset dataset(folder / "d");
+    dataset.open(SubjectKind::kVirtual, {});
+    const auto order = plan_order(short_settings("attention_every = 3\n"), 2);
+    RecordTable table(dataset.records(2));
+    table.append(record_of(order[0], 1));
+    table.append(record_of(order[1], 2, EndReason::kPeerLost));
+    table.append(record_of(order[4], 3));
+    for (const auto& included : {std::pair{1U, "but practice never counts"},
+                                 {2U, "but it ended as peer_lost_visual and so does not count"},
+                                 {5U, "but the statistics leave out attention trials"}}) {
+        const auto include = [&] {
+            include_trial(dataset.folder(), "P02", included.first, {"LS", "all", ""});
+        };
+        expect_refused(include, ExitCode::kUsage, included.second);
+    }
 }
 
 }  // namespace

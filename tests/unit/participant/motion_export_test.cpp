@@ -140,22 +140,26 @@ TEST_F(MotionBids, WhatHoldsNothingIsRefused) {
     EXPECT_THROW(export_motion(folder_ / "none", bids()), Error);
 }
 
-TEST_F(MotionBids, OrdersExclusionsAndCorrectionsOfParticipantsComeAlong) {
+TEST_F(MotionBids, OrdersAnswersExclusionsAndCorrectionsOfParticipantsComeAlong) {
     const Dataset dataset(folder_ / "people");
     dataset.open(SubjectKind::kVirtual, {});
     add_participant(dataset, 1, SubjectKind::kVirtual, {});
     DatasetRecord record;
     record.row = read_trial_table(study() / "trials.csv").front();
     RecordTable(dataset.records(1)).append(record);
-    std::filesystem::create_directory(dataset.folder() / "orders");
+    for (const char* part : {"orders", "phenotype"})
+        std::filesystem::create_directory(dataset.folder() / part);
     const auto samples = dataset.source(1) / "trajectories";
     std::filesystem::create_directories(samples);
     std::filesystem::copy_file(study() / "trajectories" / "experiment3_subject01_trial01_CF_50ms.csv",
                                samples / "record001_experiment3_trial01_CF_50ms.csv");
-    const auto names = {"orders/sub-01_order.tsv", "exclusions.tsv", "attention.tsv", "corrections.tsv"};
+    const auto names = {"orders/sub-01_order.tsv", "exclusions.tsv",        "attention.tsv",
+                        "corrections.tsv",         "phenotype/ratings.tsv", "phenotype/ratings.json"};
     for (const char* name : names) write_text(dataset.folder() / name, "lines\n");
+    write_text(dataset.folder() / "phenotype/load.tsv.new", "half");  // of a crash
     EXPECT_EQ(export_motion(dataset.folder(), bids()).trials, 1U);
     for (const char* name : names) EXPECT_EQ(read_text(bids() / name), "lines\n") << name;
+    EXPECT_FALSE(std::filesystem::exists(bids() / "phenotype/load.tsv.new"));
     EXPECT_EQ(read_text(bids() / ".bidsignore"), read_text(dataset.folder() / ".bidsignore"));
 }
 

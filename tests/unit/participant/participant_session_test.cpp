@@ -257,6 +257,7 @@ TEST_F(ParticipantSessionTest, GivesUpWhenPeersAreLostAgainAndAgain) {
     EXPECT_EQ(result.code, ExitCode::kNetwork);
     EXPECT_EQ(result.records, 3U);
     EXPECT_THAT(result.problem, HasSubstr("the cable"));
+    EXPECT_THAT(said_, Contains("the cable").Times(3)) << "at each trial";
 }
 
 TEST_F(ParticipantSessionTest, GivesUpOnADiskOrAGuardWithoutNamingTheNetwork) {
@@ -285,7 +286,7 @@ TEST_F(ParticipantSessionTest, TheExperimenterRejectsAndExcludes) {
 
 TEST_F(ParticipantSessionTest, TheLastTrialCanBeRejectedToo) {
     rests_ = false;
-    WrittenLines lines({"", "", "", "", "", "r slipped", "", ""});
+    WrittenLines lines({"", "", "", "", "", "r slipped", ""});  // its end is no interruption any more
     EXPECT_EQ(run_to_end(&lines).code, ExitCode::kOk);
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5, 5));
 }

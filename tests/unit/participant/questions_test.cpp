@@ -310,6 +310,23 @@ TEST_F(Questions, AttentionTrialsAreFlaggedAndNotAnalysed) {
     again.passed = true;
     add_attention(dataset_.attention(), again);
     EXPECT_THAT(describe(counted_trials(dataset_)), Contains("attention: sub-02 passed 1 of 1 trials"));
+    exclude_trial(dataset_.folder(), "P02", 5, {"LS", "phone rang", ""});
+    EXPECT_THAT(describe(counted_trials(dataset_)), AllOf(Contains("  sub-02 trial 5 (record 5): phone rang"),
+                                                          Not(Contains(HasSubstr("attention")))));
+}
+
+// A power cut came while a line was written.
+TEST_F(Questions, HalfALineOfATableStopsNoSession) {
+    pages_ = {};
+    const auto exclude = [&] { exclude_trial(dataset_.folder(), "P02", 2, {"LS", "asleep", ""}); };
+    run("attention_every = 3\n");
+    exclude();
+    for (const auto& file : {dataset_.exclusions(), dataset_.attention()})
+        std::filesystem::resize_file(file, std::filesystem::file_size(file) - 2);
+    EXPECT_EQ(run("attention_every = 3\n").code, ExitCode::kOk);
+    EXPECT_EQ(read_attention(dataset_.attention()).size(), 1U) << "judged anew";
+    exclude();
+    EXPECT_EQ(read_exclusions(dataset_.exclusions()).size(), 1U);
 }
 
 TEST_F(Questions, ABlindedTerminalNamesNeitherModalityNorResult) {
@@ -334,7 +351,7 @@ TEST_F(Questions, CorrectionsLeaveALineAndTheAnalysisHonoursThem) {
                 HasSubstr("is excluded already: phone rang"));
     include_trial(dataset_.folder(), "P02", 3, {"LS", "wrong trial", "2026-11-25T10:01:00Z"});
     EXPECT_EQ(counted(), 4U);
-    correct_person(dataset_.folder(), "P02", "age", "92", note);
+    EXPECT_EQ(correct_person(dataset_.folder(), "P02", "age", "92", note), "89+");
     EXPECT_EQ(person_field(dataset_, 2, "age"), "89+");
     EXPECT_EQ(read_text(dataset_.corrections()),
               "time_utc\tby\tparticipant_id\titem\tbefore\tafter\treason\n"
