@@ -7,7 +7,7 @@ import sys
 import tomllib
 
 # A message's kind is its field in Packet. The header is field 0. Of a command, the first three numbers are read.
-COMMAND, FEEDBACK, ORDER, HEARTBEAT, PROBE, REPLY = 1, 2, 4, 5, 6, 7
+COMMAND, FEEDBACK, ORDER, HEARTBEAT, PROBE, REPLY, WAVE = 1, 2, 4, 5, 6, 7, 14
 HEADER = struct.Struct('<QqIIB7x')
 FIELDS = {COMMAND: '<3d', FEEDBACK: '<8dqqIB??x', ORDER: '<Q3d16sIIBB?B4x', HEARTBEAT: '<QQ5dBB6x', PROBE: '<q', REPLY: '<qq'}
 SLAVE_SIM = 2  # role of a sender
@@ -81,6 +81,8 @@ class Slave:
         for (_, _, _, trial, _), kind, body in self.take(CONTROL, counts):
             self.obey(now, trial, kind, body)
         for (_, sampled_ns, number, trial, _), kind, body in self.take(NEEDLE, counts):
+            if kind == WAVE:
+                sys.exit('lock_step.py reads no waves: choose a [control] compensator without an end at the slave')
             if self.running and kind == COMMAND and trial == self.trial and number > self.newest:
                 self.newest = number
                 self.follow(now, sampled_ns, number, *body)

@@ -35,6 +35,7 @@ MeasuredPath load(const std::string& file) {
 PathFit fit_and_say(const MeasuredPath& path, const std::string& file) {
     PathFit fit = fit_path(path);
     fmt::print("{}\n", file);
+    for (const std::string& remark : path.remarks) fmt::print("  {}\n", remark);
     for (const std::string& sentence : fit.sentences) fmt::print("  {}\n", sentence);
     return fit;
 }

@@ -60,6 +60,7 @@ class PathParser {
         while (lines_.next()) {
             const std::string_view line = trimmed(lines_.line());
             if (!line.empty() && line.front() != '#') return true;
+            if (!line.empty() && columns_.empty()) path_.remarks.emplace_back(trimmed(line.substr(1)));
         }
         return false;
     }

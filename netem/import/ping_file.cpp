@@ -151,6 +151,9 @@ class PingParser {
         path_.remarks.push_back(
             "Each delay is half of a round trip, and each loss may be on either way: ping cannot separate "
             "the directions.");
+        path_.remarks.emplace_back(
+            "A network with these losses both ways loses twice as many: halve `loss` in [up] and [down] of a "
+            "profile.");
         if (!stamped_) {
             path_.remarks.push_back(fmt::format(
                 "Lines have no time stamps (ping -D), so packets are assumed {} s apart.", interval_s_));

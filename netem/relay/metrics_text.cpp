@@ -118,11 +118,10 @@ class MetricsPrinter {
         begin("asked_delay_seconds", "gauge", "The mean delay that holds now.");
         for (std::size_t way = 0; way < kWays.size(); ++way)
             sample("asked_delay_seconds", fmt::format("direction=\"{}\"", kWays[way]),
-                   to_seconds(links[way]->delay));
+                   to_seconds(mean_delay(*links[way])));
         begin("asked_loss_ratio", "gauge", "The share of datagrams that the link loses in the long run.");
         for (std::size_t way = 0; way < kWays.size(); ++way)
-            sample("asked_loss_ratio", fmt::format("direction=\"{}\"", kWays[way]),
-                   stationary_loss(links[way]->loss));
+            sample("asked_loss_ratio", fmt::format("direction=\"{}\"", kWays[way]), mean_loss(*links[way]));
     }
 
     void print_machine() {

@@ -35,7 +35,7 @@ Json describe_packets(const DirectionTotals& totals) {
 
 Json describe_delay(const LinkSettings& link, const DirectionTotals& totals) {
     const Histogram& delay = totals.delay;
-    return {{"asked_mean_s", to_seconds(link.delay)},
+    return {{"asked_mean_s", to_seconds(mean_delay(link))},
             {"achieved_mean_s", totals.delay_moments.mean_s()},
             {"achieved_sd_s", totals.delay_moments.deviation_s()},
             {"achieved_least_s", to_seconds(delay.best())},
@@ -47,7 +47,7 @@ Json describe_delay(const LinkSettings& link, const DirectionTotals& totals) {
 // Of all packets: the loss model decides first, also on those in an outage.
 Json describe_loss(const LinkSettings& link, const LinkCounters& packets) {
     const ProportionInterval interval = wilson_95(packets.lost, packets.pushed);
-    return {{"asked", stationary_loss(link.loss)},
+    return {{"asked", mean_loss(link)},
             {"achieved", share_of(packets.lost, packets.pushed)},
             {"low_95", interval.low},
             {"high_95", interval.high}};
@@ -123,11 +123,11 @@ ProportionInterval wilson_95(std::uint64_t successes, std::uint64_t trials) {
 }
 
 nlohmann::ordered_json describe(const LinkSettings& link) {
-    return {{"delay_s", to_seconds(link.delay)},
+    return {{"delay_s", to_seconds(mean_delay(link))},
             {"jitter", to_string(link.jitter.shape)},
             {"jitter_spread_s", to_seconds(link.jitter.spread)},
             {"jitter_correlation", link.jitter.correlation},
-            {"loss", stationary_loss(link.loss)},
+            {"loss", mean_loss(link)},
             {"duplicate", link.duplicate},
             {"corrupt", link.corrupt},
             {"reorder", link.reorder},
@@ -145,7 +145,7 @@ std::string order_text(const LinkSettings& link) {
     return fmt::format(
         "order is kept: a packet waits for the one before it, so the mean delay can be far above {:g} ms "
         "(in_order = false lets packets overtake)",
-        1e3 * to_seconds(link.delay));
+        1e3 * to_seconds(mean_delay(link)));
 }
 
 nlohmann::ordered_json describe(const Histogram& error) {

@@ -25,7 +25,8 @@ void say_ready(const RelaySettings& settings, const RelayEngine& engine) {
     for (std::size_t i = 0; i < settings.inlets.size(); ++i) {
         spdlog::info("ready: UDP {} -> {}, {:g} ms up, {:g} ms down, {} waiting",
                      to_string(engine.inlet_address(i)), to_string(settings.inlets[i].to),
-                     1e3 * to_seconds(settings.links.up.delay), 1e3 * to_seconds(settings.links.down.delay),
+                     1e3 * to_seconds(mean_delay(settings.links.up)),
+                     1e3 * to_seconds(mean_delay(settings.links.down)),
                      engine.waiter().precise() ? "precise" : "sleeping");
     }
     const std::string up = order_text(settings.links.up), down = order_text(settings.links.down);

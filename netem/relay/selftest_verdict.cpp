@@ -101,7 +101,7 @@ std::string findings_text(std::string_view name, const LinkSettings& link, const
         "      delay    asked {:.6g} ms, achieved {:.6g} median, {:.6g} p99; {}\n"
         "      late by  {}\n",
         name, d.offered, d.dropped, 100 * share_of(d.dropped, d.received), 100 * loss.low, 100 * loss.high,
-        d.lost_by_machine, 1e3 * to_seconds(link.delay), 1e3 * quantile_s(d.delays_s, 0.5),
+        d.lost_by_machine, 1e3 * to_seconds(mean_delay(link)), 1e3 * quantile_s(d.delays_s, 0.5),
         1e3 * quantile_s(d.delays_s, 0.99),
         d.comparison.spread
             ? fmt::format("KS {:.4f}, by chance {:.4f}", d.comparison.distance, d.comparison.by_chance)

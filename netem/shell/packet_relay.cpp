@@ -141,7 +141,7 @@ void PacketRelay::note_stages(std::size_t direction, const Departure& departure)
     const Duration rate = link.rate.bits_per_s > 0 ? from_seconds(bits / link.rate.bits_per_s) : Duration{};
     StageTotals& stages = stages_[direction];
     stages.rate_sum += rate;
-    stages.queue.add(std::max(Duration{}, departure.due - departure.received - rate - link.delay));
+    stages.queue.add(std::max(Duration{}, departure.due - departure.received - rate - mean_delay(link)));
 }
 
 void PacketRelay::receive(std::size_t port) {

@@ -91,7 +91,7 @@ nlohmann::ordered_json describe_stages(const LinkSettings& link, const PacketRel
     const StageTotals& stages = relay.stages(direction);
     return {{"queue_and_jitter", describe(stages.queue)},
             {"rate_mean_us", stages.rate_mean_us()},
-            {"delay_us", 1e6 * to_seconds(link.delay)}};
+            {"delay_us", 1e6 * to_seconds(mean_delay(link))}};
 }
 
 nlohmann::ordered_json describe_sending(const SendingTotals& sending) {
@@ -147,7 +147,8 @@ ShellResult run_one(const ShellSettings& settings, SignalLine& signals) {
     const Environment environment = uplink.environment(programs.room(0).has_ip6());
     spdlog::info("this machine is {}{}, {:g} ms up, {:g} ms down", environment[0].second,
                  environment.size() > 1 ? " and " + environment[1].second : "",
-                 1e3 * to_seconds(settings.links.up.delay), 1e3 * to_seconds(settings.links.down.delay));
+                 1e3 * to_seconds(mean_delay(settings.links.up)),
+                 1e3 * to_seconds(mean_delay(settings.links.down)));
     return run_wired(settings, programs, signals, {port_of(programs.room(0)), uplink.ports(), {environment}});
 }
 

@@ -20,8 +20,9 @@ class LoggedMonitor::Reading {
     explicit Reading(std::vector<Moment>& moments) : moments_(&moments) {}
 
     void add(std::int64_t time_ns, const std::string& topic, const Message& message) {
-        if (const auto* control = std::get_if<SessionControl>(&message.body))
-            obey(message.header.trial, *control);
+        const auto* control = std::get_if<SessionControl>(&message.body);
+        const bool ended = control != nullptr && obey(message.header.trial, *control);
+        if (ended && !moments_->empty()) moments_->push_back({time_ns, started_, now_});
         const auto* heartbeat = std::get_if<Heartbeat>(&message.body);
         if (heartbeat != nullptr && topic == "/master/heartbeats")
             now_.force_hand_N = heartbeat->force_hand_N;
@@ -33,10 +34,19 @@ class LoggedMonitor::Reading {
     }
 
   private:
-    void obey(std::uint32_t trial, const SessionControl& control) {
+    // True at the end of a trial, which no record need follow. The session repeats its orders.
+    bool obey(std::uint32_t trial, const SessionControl& control) {
+        const bool ends = control.kind == ControlKind::kTrialEnd;
+        const bool stopped_at_once = ends && now_.state != NodeState::kRunning;
         if (control.kind == ControlKind::kBeep) now_.beeped = true;
-        if (control.kind == ControlKind::kTrialEnd) now_.state = NodeState::kIdle;
-        if (control.kind != ControlKind::kTrialStart || trial == started_) return;
+        if ((control.kind == ControlKind::kTrialStart || stopped_at_once) && trial != started_)
+            begin(trial, control);
+        if (!ends || trial != started_ || now_.state != NodeState::kRunning) return false;
+        now_.state = NodeState::kIdle;
+        now_.reason = control.reason;
+        return true;
+    }
+    void begin(std::uint32_t trial, const SessionControl& control) {
         started_ = trial;
         now_ = {};
         now_.state = NodeState::kRunning;

@@ -183,6 +183,8 @@ void ConditionRun::close_trial() {
     const TrialRecord& record = session_.record();
     files_.end_trial(record);
     outcome_.judge(record, interrupted());
+    const bool changed = session_.delay_s() != to_seconds(plan_.session.force_delay);
+    if (!plan_.starter && !changed) outcome_.judge_delay(record, plan_.session.least_force_delay);
     if (events_.trial_done) events_.trial_done(record);
 }
 

@@ -49,6 +49,17 @@ class RunOutcome {
         add_write_fault(files_.fault());
     }
 
+    // Nodes that ran already have the network of their own file, which is to be this one. It is another if forces are quicker.
+    // Names no delay: the experimenter may be blinded.
+    void judge_delay(const TrialRecord& record, Duration least) {
+        const double bound_s = 0.99 * to_seconds(least) - 1e-3;  // the median is that of a histogram
+        const bool measured = record.round_trip_s > 0 && record.network_events.empty();
+        if (failed() || !measured || record.achieved_delay_s >= bound_s) return;
+        fail(ExitCode::kUsage,
+             "forces came back sooner than this session file allows: the running thimble-netem has another "
+             "[netem.force] delay_s. Give both the same file, and start thimble-netem anew");
+    }
+
     // Reported also if the trial had ended well before: missing data need a message. Empty words change nothing.
     void add_write_fault(std::string_view words) {
         if (words.empty()) return;

@@ -114,7 +114,7 @@ int check_logs(const LogArguments& a) {
     for (const FlowFinding& f : flows) {
         fmt::print("{}: {} sent = {} received + {} lost{}; {} repeated, {} out of order{}\n", f.topic, f.sent,
                    f.received, f.lost,
-                   f.outside > 0 ? fmt::format(" + {} before the receiver was ready", f.outside) : "",
+                   f.outside > 0 ? fmt::format(" + {} before or after the receiver's log", f.outside) : "",
                    f.repeated, f.out_of_order,
                    f.foreign > 0 ? fmt::format("; {} RECEIVED BUT NEVER SENT", f.foreign) : "");
         good = good && f.foreign == 0;

@@ -96,7 +96,7 @@ ReportTable port_table(const LinkFigures& link) {
     table.title = fmt::format("Ports of {}, from {}", link.host, link.base_port);
     table.note =
         "Round trips in ms, losses in %; jitter: 99 % value minus median; 'out of order' and 'twice' count "
-        "both directions. Sizes and rates are those of a session.";
+        "both directions. Sizes and rates are those of a session between machines.";
     table.columns = {"port",   "name",  "answer",     "bytes",     "Hz",           "arrived Hz", "median",
                      "jitter", "worst", "lost there", "lost back", "out of order", "twice",      "pause ms"};
     for (const PortFigures& p : link.ports) {
@@ -126,9 +126,9 @@ std::string mtu_text(const LinkReport& report) {
     if (mtu.largest_bytes == 0)
         return "Largest datagram: not even the datagrams of a session pass unfragmented.";
     return fmt::format(
-        "Largest datagram that passes unfragmented: {} bytes (MTU {}{}); the largest of a session has {}.",
+        "Largest datagram that passes unfragmented: {} bytes (MTU {}{}); a session's have at most {}.",
         mtu.largest_bytes, mtu.mtu_bytes(), mtu.limited_here ? ", of this machine's interface" : "",
-        largest_session_datagram(report.link));
+        kMaxDatagramBytes);
 }
 
 std::string clock_text(const ClockSummary& clock) {
@@ -213,12 +213,6 @@ std::vector<ModalityVerdict> judge_all(const std::vector<Modality>& modalities, 
     return verdicts;
 }
 
-std::size_t largest_session_datagram(const LinkFigures& link) {
-    std::size_t largest = 0;
-    for (const PortFigures& port : link.ports) largest = std::max(largest, port.traffic.bytes);
-    return largest;
-}
-
 std::string to_text(const LinkReport& report) {
     std::string text = plain_table(port_table(report.link));
     if (const std::string found = finding(report.link); !found.empty()) text += "\nPorts: " + found + ".\n";
@@ -258,8 +252,7 @@ Json to_json(const LinkReport& report) {
 
 ExitCode exit_code(const LinkReport& report) {
     const LinkFigures& link = report.link;
-    if (!link.all_answer() || link.mtu.largest_bytes < largest_session_datagram(link))
-        return ExitCode::kNetwork;
+    if (!link.all_answer() || link.mtu.largest_bytes < kMaxDatagramBytes) return ExitCode::kNetwork;
     const bool unfit = std::any_of(report.verdicts.begin(), report.verdicts.end(),
                                    [](const ModalityVerdict& v) { return v.fit == Fit::kDoesNotFit; });
     return unfit ? ExitCode::kRunFailed : ExitCode::kOk;

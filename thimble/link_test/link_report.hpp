@@ -50,7 +50,5 @@ nlohmann::ordered_json to_json(const LinkReport& report);
 
 // 3 (network) if a port does not answer or the session's datagrams do not pass, 1 if a modality does not fit, else 0.
 ExitCode exit_code(const LinkReport& report);
-// Of any port that was tried.
-std::size_t largest_session_datagram(const LinkFigures& link);
 
 }  // namespace thimble

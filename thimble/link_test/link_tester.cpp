@@ -110,7 +110,7 @@ void LinkTester::find_mtu() {
     if (probe == probes_.end()) return;
     std::size_t good = 0, bad = kLargestProbeBytes + 1;
     bool refused_at_bad = false;
-    for (std::size_t bytes = probe->traffic().bytes; bad - good > 1 && going_on();
+    for (std::size_t bytes = kMaxDatagramBytes; bad - good > 1 && going_on();
          bytes = good + (bad - good) / 2) {
         const Passage found = passage(*probe, bytes);
         if (found == Passage::kNoAnswer) break;  // the report shows the loss

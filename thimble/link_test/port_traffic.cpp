@@ -2,6 +2,9 @@
 
 #include "common/codec.hpp"
 #include "common/node_process.hpp"
+#include "common/security/flow_roles.hpp"
+#include "common/security/sealing.hpp"
+#include "common/security/stop_seal.hpp"
 #include "thimble/link_test/probe_packet.hpp"
 
 namespace thimble {
@@ -61,6 +64,12 @@ constexpr std::array<PortRow, kPortCount> kPortRows{{
     {"netem_stop", Traffic::kStop},
 }};
 
+// Between machines every datagram is sealed; on its way through netem twice (docs/security.md).
+std::size_t seal_bytes(Port port, Traffic traffic) {
+    if (traffic == Traffic::kStop) return StopSeal::kHeaderBytes + StopSeal::kCodeBytes;
+    return ends_hop(port) ? 2 * kSealOverheadBytes : kSealOverheadBytes;
+}
+
 }  // namespace
 
 std::array<PortTraffic, kPortCount> session_traffic() {
@@ -86,6 +95,7 @@ std::array<PortTraffic, kPortCount> session_traffic() {
     for (std::size_t i = 0; i < kPortCount; ++i) {
         traffic[i] = kinds.at(static_cast<std::size_t>(kPortRows[i].traffic));
         traffic[i].port = static_cast<Port>(i);
+        traffic[i].bytes += seal_bytes(traffic[i].port, kPortRows[i].traffic);
     }
     return traffic;
 }

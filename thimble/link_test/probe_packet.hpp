@@ -44,7 +44,7 @@ void write_probe(const ProbePacket& packet, std::span<std::uint8_t> room);
 // None if it is not exactly such a datagram.
 std::optional<ProbePacket> read_probe(Bytes datagram);
 
-// A session's traffic at each of its UDP ports: sizes from the codec, rates from docs/protocol.md.
+// A session's traffic at each of its UDP ports: sizes as sealed, rates from docs/protocol.md.
 struct PortTraffic {
     Port port = Port::kCount;
     std::size_t bytes = 0;  // of one datagram

@@ -70,14 +70,18 @@ std::string describe_log(const LoggedFile& file) {
     const auto line = [&](std::string_view name, const std::string& value) {
         text += fmt::format("  {:<12}{}\n", name, value);
     };
-    line("written by", fmt::format("{} ({})", file.value("thimble", "program"), file.library()));
-    line("begun", date_of(file));
+    const std::string program = file.value("thimble", "program");
+    const bool ours = !program.empty();  // else an export, or a stranger's file: it sent and received nothing
+    line("written by", ours ? fmt::format("{} ({})", program, file.library()) : file.library());
+    if (ours) line("begun", date_of(file));
     line("end", describe_end(file));
     line("size", fmt::format("{} bytes, {} chunks", file.bytes().size(), file.scan().chunks));
     line("messages",
          fmt::format("{} in {:.3f} s, {} lost by the log", file.scan().messages, duration_s, file.lost()));
     for (const auto& [id, topic] : file.topics()) {
-        line(topic.sent ? "  sent" : "  received",
+        line(!ours        ? "  topic"
+             : topic.sent ? "  sent"
+                          : "  received",
              fmt::format("{:<44}{:>9}{}", topic.topic, topic.messages,
                          duration_s > 0
                              ? fmt::format("  {:8.1f} Hz", static_cast<double>(topic.messages) / duration_s)

@@ -165,6 +165,43 @@ TEST(Igtl, ARecordedSessionIsReadByTheirLibrary) {
     EXPECT_EQ(client.heard.code, igtl::StatusMessage::STATUS_OK);
 }
 
+// The last that a client hears of a log with these bodies.
+HeardByIgtl end_of(const std::vector<Message>& bodies) {
+    const Folder folder;
+    WrittenLog log;
+    log.program = "session";
+    log.topic = "/slave_sim/record";
+    log.bodies = bodies;
+    log.body_by_body = true;
+    for (std::uint32_t i = 1; i <= bodies.size(); ++i) log.messages.push_back({i, 1000 * i});
+    log.write(folder / "session.mcap");
+    IgtlProgram program({"--replay", (folder / "session.mcap").string()});
+    IgtlListener client(program.port());
+    while (client.hear()) {
+    }
+    EXPECT_EQ(program.end(), 0) << program.words();
+    return client.heard;
+}
+
+// The session tells each node of the end of a trial. No record comes after it.
+TEST(Igtl, ARecordedSessionEndsAsItEnded) {
+    const Header first{7, {}, 0, 3, Role::kSession}, second{7, {}, 0, 4, Role::kSession};
+    SessionControl start, end;
+    end.kind = ControlKind::kTrialEnd;
+    end.reason = EndReason::kPeerLost;
+    std::vector<Message> bodies{{first, start}, {first, ForceFeedback{}}, {first, end}, {first, end}};
+    const HeardByIgtl lost = end_of(bodies);
+    EXPECT_EQ(lost.status, "peer_lost");
+    EXPECT_EQ(lost.code, igtl::StatusMessage::STATUS_TIME_OUT);
+
+    end.reason = EndReason::kEmergencyStop;
+    bodies.push_back({second, end});  // stopped before it began
+    const HeardByIgtl stopped = end_of(bodies);
+    EXPECT_EQ(stopped.status, "emergency_stop");
+    EXPECT_EQ(stopped.code, igtl::StatusMessage::STATUS_PANICK_MODE);
+    EXPECT_THAT(stopped.state, HasSubstr("trial 4"));
+}
+
 // Under a lab key, which the view needs too.
 TEST(Igtl, ARunningSessionIsReadByTheirLibrary) {
     const Folder folder;

@@ -43,6 +43,20 @@ TEST_F(RelayProgram, SaysWhatTcsWordsMean) {
                 HasSubstr("towards the server\n# differs: 1 changes with time; tc would need a script\n"));
 }
 
+TEST_F(RelayProgram, AsksForWhatItsTraceHas) {
+    const std::string trace =
+        folder_.write("path.csv", "time_s,delay_s,loss\n0,0.01,0\n1,0.03,0.5\n").string();
+    const Ended end = run_netem(
+        in_front({"--link", "up.trace=" + trace, "up.delay_s=0.2", "loss=1", "--seconds", "0.1", "--json"}));
+    ASSERT_EQ(end.code, 0) << end.said;
+    EXPECT_THAT(end.said, HasSubstr("20 ms up, 0 ms down"));
+    const json up = json::parse(end.printed).at("up"), &asked = up.at("asked");
+    EXPECT_EQ(asked.at("delay_s"), 0.02);
+    EXPECT_EQ(asked.at("loss"), 0.25);
+    EXPECT_EQ(up.at("delay").at("asked_mean_s"), 0.02);
+    EXPECT_EQ(up.at("loss").at("asked"), 0.25);
+}
+
 TEST_F(RelayProgram, RefusesAPortThatIsTaken) {
     NetemProgram first(in_front());
     const Ended second = run_netem({"--listen", to_string(first.inlet()), "--to", echo_.address()});

@@ -4,8 +4,11 @@
 #include <bit>
 #include <concepts>
 #include <limits>
+#include <map>
+#include <regex>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -15,6 +18,7 @@
 #include "common/codec_fields.hpp"
 #include "tests/allocation_count.hpp"
 #include "tests/fuzz/packets.hpp"
+#include "tests/read_text.hpp"
 #include "tests/unit/common/packet.hpp"
 
 namespace thimble {
@@ -163,6 +167,26 @@ TEST(CodecRoundTrip, WireBytesOfANeedleCommand) {
             body_bytes.push_back(static_cast<std::uint8_t>(bits >> shift));
     }
     EXPECT_NE(std::search(bytes.begin(), bytes.end(), body_bytes.begin(), body_bytes.end()), bytes.end());
+}
+
+// Programs of others take their buffers' lengths from there.
+TEST(CodecRoundTrip, TheProtocolPageHasTheSizeOfEachKind) {
+    static constexpr std::array<const char*, std::variant_size_v<Body>> kNames{
+        "NeedleCommand", "ForceFeedback", "Percept",   "SessionControl", "Heartbeat", "ClockProbe",
+        "ClockReply",    "HandInput",     "Monitor",   "Order",          "Page",      "ReplayState",
+        "DeviceFault",   "NeedleWave",    "ForceWave", "StopOrder"};
+    const std::string page = whole_text(THIMBLE_SOURCE_DIR "/docs/protocol.md");
+    std::map<std::string, std::string> bytes_of;
+    const std::regex row(R"(\n\| `(\w+)`(?:, `(\w+)`)? \| (\d+)(?:, (\d+))? \|)");
+    for (std::sregex_iterator found(page.begin(), page.end(), row), end; found != end; ++found) {
+        bytes_of[(*found)[1]] = (*found)[3];
+        bytes_of[(*found)[2]] = (*found)[4];
+    }
+    Encoder encoder;
+    for (const Message& message : sample_messages()) {
+        const std::string name = kNames.at(message.body.index());
+        EXPECT_EQ(bytes_of[name], std::to_string(encoder.encode(message).size())) << name;
+    }
 }
 
 // The same of one message of each kind, as a digest (FNV-1a): a field in another place changes it.

@@ -157,7 +157,7 @@ TEST(LinkReport, ExitCodes) {
     EXPECT_EQ(judged(), ExitCode::kOk);
     report.link.ports[0].round_trip_median_s = report.link.ports[0].round_trip_p99_s = 0.05;
     EXPECT_EQ(judged(), ExitCode::kRunFailed);  // HF does not fit
-    report.link.mtu.largest_bytes = 103;
+    report.link.mtu.largest_bytes = 511;
     EXPECT_EQ(judged(), ExitCode::kNetwork);
     report.link.mtu.largest_bytes = 1472;
     report.link.ports.push_back(port(Port::kMasterForce, PortAnswer::kSilent));

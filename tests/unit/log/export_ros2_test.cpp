@@ -10,14 +10,17 @@
 #include "tests/refusal.hpp"
 #include "tests/unit/log/written_log.hpp"
 #include "thimble/log/log_export.hpp"
+#include "thimble/log/log_tools.hpp"
 #include "thimble/log/ros2_messages.hpp"
 
 namespace thimble {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 // A master on a machine whose clock is one second ahead, its session, and slave_sim, each with a log.
 class Ros2Logs : public testing::Test {
@@ -184,6 +187,8 @@ TEST_F(Ros2Logs, EachThingOnce) {
     const LoggedFile written(folder_ / "ros2.mcap");
     EXPECT_EQ(written.scan().messages, 15U);
     EXPECT_TRUE(written.scan().finished);
+    EXPECT_THAT(describe_log(written), AllOf(HasSubstr("  written by  thimble "), HasSubstr("    topic"),
+                                             Not(HasSubstr("begun")), Not(HasSubstr("received"))));
     EXPECT_THROW(export_ros2(files_, folder_ / "ros2.mcap", ""), Error);
 }
 

@@ -1,6 +1,9 @@
 // Recorded traces: of delay and loss, and of deliveries.
+#include <memory>
+
 #include <gtest/gtest.h>
 
+#include "netem/link_settings.hpp"
 #include "netem/packet_trace.hpp"
 #include "netem/stages/deliveries.hpp"
 #include "tests/unit/netem/link_test_tools.hpp"
@@ -36,6 +39,31 @@ TEST(PacketTrace, WrapsOrHoldsItsEnd) {
     const PacketTrace hold(ramp(), {.between = TraceBetween::kLinear, .end = TraceEnd::kHold});
     EXPECT_EQ(hold.at(15).delay, milliseconds{40});
     EXPECT_EQ(hold.at(1'000'000).delay, milliseconds{40});
+}
+
+TEST(PacketTrace, HasTheMeansOfItsPeriod) {
+    LinkSettings link{.delay = milliseconds{999}};
+    link.loss = LossSettings::independent(1);
+    EXPECT_EQ(mean_loss(link), 1);
+    link.trace = std::make_shared<PacketTrace>(ramp(), TraceLayout{.has_loss = true});
+    EXPECT_EQ(mean_delay(link), milliseconds{20});
+    EXPECT_DOUBLE_EQ(mean_loss(link), 0.375);
+    link.trace = std::make_shared<PacketTrace>(
+        ramp(), TraceLayout{.between = TraceBetween::kLinear, .has_loss = true});
+    EXPECT_EQ(mean_delay(link), std::chrono::microseconds{21'250});
+    EXPECT_DOUBLE_EQ(mean_loss(link), 0.4375);
+}
+
+TEST(PacketTrace, NoPacketIsQuickerThanItsLeastDelay) {
+    LinkSettings link{.delay = milliseconds{50}};
+    EXPECT_EQ(least_delay(link), milliseconds{50});
+    link.trace = std::make_shared<PacketTrace>(ramp(), TraceLayout{});
+    EXPECT_EQ(least_delay(link), milliseconds{10});
+    link.reorder = 0.1;
+    EXPECT_EQ(least_delay(link), Duration{});
+    link.reorder = 0;
+    link.jitter = {JitterShape::kUniform, milliseconds{5}};
+    EXPECT_EQ(least_delay(link), Duration{});
 }
 
 TEST(PacketTrace, BeforeTheFirstRowTheFirstHolds) {

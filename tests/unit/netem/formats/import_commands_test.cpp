@@ -52,6 +52,7 @@ TEST_F(ImportCommands, PingToTraceToProfile) {
     EXPECT_THAT(read_whole_file(path("trace.csv")), HasSubstr("time_s,delay_s,loss\n0,0.0105,0\n"));
     EXPECT_EQ(run("fit", {path("trace.csv"), "--out", path("lab.toml"), "--table", path("lab.dist")}), 0);
     const LinkProfile profile = load_profile(path("lab.toml"));
+    EXPECT_THAT(profile.source, testing::Contains(HasSubstr("halve `loss` in [up] and [down]")));
     EXPECT_NEAR(to_seconds(profile.up.delay), 0.0115, 0.0002);
     EXPECT_EQ(profile.up, profile.down);
     // Nothing says that the 200th was sent.

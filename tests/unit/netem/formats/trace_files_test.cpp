@@ -117,6 +117,7 @@ TEST(PacketTraceFile, WhatIsWrittenIsReadAgain) {
         MeasuredPath path;
         path.by_packet = *rc::gen::arbitrary<bool>();
         path.has_delay = path.has_loss = true;
+        path.remarks = {"Its clock is a guess.", "50 % of it"};
         path.has_rate = *rc::gen::arbitrary<bool>();
         std::int64_t at = *rc::gen::inRange(0, 1000);
         for (int i = *rc::gen::inRange(1, 20); i > 0; --i) {
@@ -129,6 +130,11 @@ TEST(PacketTraceFile, WhatIsWrittenIsReadAgain) {
         RC_LOG() << text;
         RC_ASSERT(parse_path(text, "a") == path);
     }));
+}
+
+TEST(PacketTraceFile, CommentsAboveTheHeaderAreRemarks) {
+    EXPECT_EQ(parse_path("#\tone \n\ntime_s,loss\n# of a line\n0,0\n", "a").remarks,
+              std::vector<std::string>{"one"});
 }
 
 TEST(DeliveryTraceFile, ReadsAndRefuses) {
