@@ -145,7 +145,9 @@ int codec_study(int argc, char** argv) {
     app.add_option("--subjects", options.subjects, "Virtual subjects.")->check(CLI::Range(1, 100000));
     app.add_option("--trials", options.trials, "Trials of each.")->check(CLI::Range(1, 100000));
     app.add_option("--set", options.set, "KEY=NUMBER of the session file.");
-    app.add_option("--delays", options.delays_s, "Of the force path, one way, s.")->delimiter(',');
+    app.add_option("--delays-s", options.delays_s, "Of the force path, one way, s.")
+        ->delimiter(',')
+        ->check(CLI::Range(0.0, 10.0));
     app.add_flag("--rates", options.rates, "Packets per second instead of shares: needle + force.");
     if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     print_tables(options);

@@ -27,6 +27,7 @@ namespace {
 // examples/controller/thimble_controller.py reads these.
 enum class Call : std::uint64_t { kCreate = 1, kStart, kNetworkChanged, kSample, kReceive, kForget, kForce };
 constexpr std::size_t kMostPythonKeys = 8;
+constexpr std::string_view kPythonGreeting = "thimble controller 1";  // first line of a description
 struct Record {
     Call call;
     std::array<double, 13> numbers;
@@ -170,12 +171,14 @@ double number(const std::string& file, std::string_view text) {
     throw Error(ExitCode::kUsage, "plug-in {}: '{}' in its KEYS is not a number", file, copy);
 }
 
-// The name, then a line for each key: name, default, least, most, help, with tabs between.
+// Greeting, name, then a line for each key: name, default, least, most, help, with tabs between.
 void describe(std::string_view text, PythonTable& python) {
-    python.name = std::string(take_until(text, '\n'));
-    if (python.name.empty())
-        throw Error(ExitCode::kUsage, "plug-in {}: it does not call serve() (examples/controller)",
+    if (take_until(text, '\n') != kPythonGreeting)
+        throw Error(ExitCode::kUsage,
+                    "plug-in {}: it does not describe itself: it must call serve() of this version's "
+                    "thimble_controller.py, and print nothing before the import (examples/controller)",
                     python.file);
+    python.name = std::string(take_until(text, '\n'));
     while (!text.empty() && python.keys.size() < kMostPythonKeys) {
         std::string_view line = take_until(text, '\n');
         thimble_controller_key key{};

@@ -9,8 +9,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 #include "common/own_program.hpp"
 #include "common/text_file.hpp"
@@ -145,6 +143,10 @@ std::filesystem::path lab_key_file(std::string_view setting) {
         auto credential = std::filesystem::path(given) / "lab.key";
         if (access(credential.c_str(), F_OK) == 0) return credential;
     }
+    return new_lab_key_file(setting);
+}
+
+std::filesystem::path new_lab_key_file(std::string_view setting) {
     if (setting.starts_with("~/")) return home(kNameAFile) / setting.substr(2);
     if (!setting.empty()) return setting;
     const std::string named = environment_text("THIMBLE_LAB_KEY_FILE");
@@ -155,13 +157,11 @@ void create_lab_key(const std::filesystem::path& path, const RandomBytes& random
     refuse_folder(path);
     make_folder(path.parent_path());
     const int error = make_key_file(path, random);
-    if (error == 0) return;
-    throw Error(
-        ExitCode::kData, "{}",
-        error == EEXIST
-            ? fmt::format("'{}' exists, and a key is never overwritten: name another file, or move this one",
-                          path.string())
-            : fmt::format("cannot make '{}': {}", path.string(), std::strerror(error)));
+    if (error == EEXIST)
+        throw Error(ExitCode::kUsage,
+                    "'{}' exists, and a key is never overwritten: name another file, or move this one",
+                    path.string());
+    if (error != 0) throw Error(ExitCode::kData, "cannot make '{}': {}", path.string(), std::strerror(error));
 }
 
 LabKey read_lab_key(const std::filesystem::path& path) { return read_key(path, kLab); }

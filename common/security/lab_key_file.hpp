@@ -14,9 +14,11 @@ std::filesystem::path default_lab_key_file();
 // The file that systemd hands a service as the credential "lab.key"; else the setting if it is not empty (a leading "~/" is the
 // home), else the environment's THIMBLE_LAB_KEY_FILE, else the default.
 std::filesystem::path lab_key_file(std::string_view setting);
+// Where a new key goes: the same without the credential, because systemd makes that one.
+std::filesystem::path new_lab_key_file(std::string_view setting);
 
-// A key of random bits in a new file, and whatever folders it needs. Throws Error (data) if there is a file of that name: a key
-// is never overwritten; nothing is left behind if it cannot be written.
+// A key of random bits in a new file, and whatever folders it needs. Throws Error: usage, if there is a file of that name, as a key is
+// never overwritten; data, if it cannot be written, and nothing is left behind.
 void create_lab_key(const std::filesystem::path& path, const RandomBytes& random);
 // Throws Error: usage, if there is none, if it is not ours or not ours alone, with the command that mends it; data, if it is no
 // key.

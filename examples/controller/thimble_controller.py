@@ -15,6 +15,7 @@ ANSWERS = os.fdopen(os.dup(1), 'wb', 0)
 os.dup2(2, 1)
 
 PR_SET_PDEATHSIG = 1
+GREETING = 'thimble controller 1'  # Thimble refuses a description that does not begin with it
 RECORD, ANSWER = struct.Struct('=Q13d'), struct.Struct('=d')
 CREATE, START, NETWORK_CHANGED, SAMPLE, RECEIVE, FORGET, FORCE = range(1, 8)
 
@@ -95,7 +96,7 @@ def serve(kind):
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for Thimble, which then ends this program
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # a call that hangs ends with Thimble
     if sys.argv[1:] == ['--describe']:
-        lines = [kind.NAME or kind.__name__] + ['\t'.join(map(str, (name, *key))) for name, key in kind.KEYS.items()]
+        lines = [GREETING, kind.NAME or kind.__name__] + ['\t'.join(map(str, (name, *key))) for name, key in kind.KEYS.items()]
         ANSWERS.write(('\n'.join(lines) + '\n').encode())
         return
     controller = kind()

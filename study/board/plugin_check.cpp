@@ -17,12 +17,16 @@
 #include "common/process/isolated.hpp"
 #include "common/random.hpp"
 #include "common/runtime/import_watch.hpp"
+#include "common/runtime/plugin_watch.hpp"
 
 namespace thimble {
 namespace {
 
 constexpr int kSamples = 4000, kMotions = 20;
 constexpr double kMostForce_N = 20, kMostEnergy_J = 1e-9, kMostPosition_m = 10;
+// A whole probe may take this long: an interpreter on a busy machine answers 200,000 calls slowly.
+constexpr Duration kProbeLimit = std::chrono::minutes{10};
+constexpr std::string_view kTookLonger = "took longer";  // as run_isolated() says it
 constexpr std::string_view kDeviceDamping = "device_damping_Ns_per_m";
 
 struct Seen {
@@ -278,18 +282,32 @@ constexpr Probe kProbes[] = {
     {"is passive, as it says", "20 random motions", look_at_energy},
 };
 
+Seen look_in_time(const Probe& probe, const PluginSettings& plugin, Duration limit) {
+    PluginWatch watch;
+    watch.expect(limit);
+    return probe.look(plugin);
+}
+
+// Of a call that hangs, the watch's signal has ended the copy: its number tells less than the limit.
+std::string why_failed(const std::string& failure, Duration limit) {
+    const bool hung = failure.find("did not return from") != std::string::npos;
+    if (!hung || failure.find(kTookLonger) != std::string::npos) return failure;
+    return fmt::format("{}; it {} than {} s", failure.substr(0, failure.find("; signal")), kTookLonger,
+                       to_seconds(limit));
+}
+
 PluginFinding finding_of(const Probe& probe, const PluginSettings& plugin, Duration limit) {
-    const IsolatedResult apart = run_isolated([&] { return bytes_of(probe.look(plugin)); }, limit);
-    if (!apart.bytes) return {probe.rule, false, apart.failure};
+    const IsolatedResult apart =
+        run_isolated([&] { return bytes_of(look_in_time(probe, plugin, limit)); }, kProbeLimit);
+    if (!apart.bytes) return {probe.rule, false, why_failed(apart.failure, limit)};
     std::string_view bytes = *apart.bytes;
     const Seen seen = take_plain<Seen>(bytes);
     return {probe.rule, seen.problems == 0, seen.problems == 0 ? probe.tried : seen.words};
 }
 
 // A constructor of the library may crash, so the first time is in a copy as well.
-std::optional<PluginSettings> loaded(const std::filesystem::path& file, Duration limit, PluginCheck& check) {
-    const IsolatedResult apart =
-        run_isolated([&] { return std::string(load_plugin(file).table->name); }, limit);
+std::optional<PluginSettings> loaded(const std::filesystem::path& file, PluginCheck& check) {
+    const IsolatedResult apart = run_isolated([&] { return std::string(load_plugin(file).table->name); });
     check.findings.push_back({"can be loaded", apart.bytes.has_value(),
                               apart.bytes ? "version and functions are right" : apart.failure});
     if (!apart.bytes) return std::nullopt;
@@ -321,14 +339,14 @@ PluginCheck check_plugin(const std::filesystem::path& file, const std::vector<do
                          Duration limit) {
     PluginCheck check;
     check.file = file.string();
-    std::optional<PluginSettings> plugin = loaded(file, limit, check);
+    std::optional<PluginSettings> plugin = loaded(file, check);
     if (!plugin) return check;
     std::copy_n(values.begin(), std::min(values.size(), plugin->values.size()), plugin->values.begin());
     const bool passive = (plugin->table->capabilities & THIMBLE_PASSIVE) != 0;
     for (const Probe& probe : kProbes) {
         if (probe.look == look_at_energy && !passive) continue;
         check.findings.push_back(finding_of(probe, *plugin, limit));
-        if (check.findings.back().words.find("took longer") != std::string::npos) break;
+        if (check.findings.back().words.find(kTookLonger) != std::string::npos) break;
     }
     return check;
 }

@@ -26,8 +26,8 @@ struct PluginCheck {
     std::string json() const;
 };
 
-// With the values that its keys have by default, then replaced by `values` as far as they go. A probe that takes longer than `limit`
-// is the last. It throws nothing for a bad plug-in.
+// With the values that its keys have by default, then replaced by `values` as far as they go. A probe with a call that takes longer
+// than `limit` is the last. It throws nothing for a bad plug-in.
 PluginCheck check_plugin(const std::filesystem::path& file, const std::vector<double>& values = {},
                          Duration limit = std::chrono::seconds{5});
 

@@ -53,8 +53,10 @@ std::vector<ReportTable> tables_of(const std::vector<CompensatorRow>& rows) {
     }
     tables.push_back(table_of(
         rows, "Share of the force for the hand",
-        "For scaled: 0.8 of the share at which the linear loop of the nominal hand becomes unstable.",
-        [](const CompensatorRow& row) { return fmt::format("{:.3f}", row.share); }));
+        "For scaled alone: 0.8 of the share at which the linear loop of the nominal hand becomes unstable.",
+        [](const CompensatorRow& row) {
+            return std::isfinite(row.share) ? fmt::format("{:.3f}", row.share) : std::string(kDash);
+        }));
     return tables;
 }
 

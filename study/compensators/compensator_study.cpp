@@ -67,7 +67,7 @@ CompensatorOutcome plugin_outcome(const SystemSettings& settings, const TrialCon
 void run_trial(const SystemSettings& settings, const CompensatorCondition& condition,
                CompensatorTrial& trial) {
     ControlSettings control = control_over(trial.network, condition.control);
-    control.share = trial.share;
+    if (control.compensator == Compensator::kScaled) control.share = trial.share;
     const SystemSettings with = with_control(over_network(settings, trial.network), control);
     const bool plugin = control.compensator == Compensator::kPlugin;
     std::string none;

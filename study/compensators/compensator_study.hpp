@@ -57,7 +57,7 @@ struct CompensatorTrial : CompensatorOutcome {
     std::size_t condition = 0;  // of chosen_conditions()
     CompensatorNetwork network{};
     TrialConditions conditions{};
-    double share = 1;  // of the force for the hand
+    double share = TrialMetrics::kNone;  // scaled alone: of the force, for the hand
 };
 
 // The result of one condition over one network.
@@ -73,7 +73,7 @@ struct CompensatorRow {
     // Mean force of the handle over mean depth of the hand beyond the fixture, both in the hold, over the true stiffness.
     double rendered_stiffness = TrialMetrics::kNone;
     double drift_needle_m = TrialMetrics::kNone;  // mean of |scale x hand - needle| in the hold
-    double share = 1;                             // of the force for the hand
+    double share = TrialMetrics::kNone;           // scaled alone: of the force, for the hand
 };
 
 // A measured value of a trial is a column of the tables. A row has the mean over its trials.

@@ -39,9 +39,11 @@ std::vector<std::pair<const char*, double>> cells_of(const CompensatorRow& row) 
 }
 
 std::string identity_of(const CompensatorTrial& trial, const std::string& name) {
-    return fmt::format("{},{},{},{},{},{},{},{}", name, trial.network.name, trial.network.delay_s,
-                       trial.network.jitter_spread_s, trial.network.loss, trial.conditions.subject,
-                       trial.conditions.trial, trial.share);
+    std::string text = fmt::format("{},{},{},{},{},{},{},", name, trial.network.name, trial.network.delay_s,
+                                   trial.network.jitter_spread_s, trial.network.loss,
+                                   trial.conditions.subject, trial.conditions.trial);
+    write_number(std::back_inserter(text), trial.share);
+    return text;
 }
 
 std::string identity_of(const CsvReader& line) {

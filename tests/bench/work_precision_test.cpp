@@ -89,10 +89,15 @@ TEST_F(WorkPrecision, SaysHowToUseIt) {
     EXPECT_THAT(blocked.output, HasSubstr("file: is a file"));
 }
 
-TEST(CodecStudy, RefusesAMistypedModalityAndNoTrials) {
+TEST(CodecStudy, RefusesAMistypedModalityNoTrialsAndADelayThatIsNone) {
     const TemporaryDirectory folder;
-    for (const char* words : {"--modality=CFF", "--trials=0", "--subjects=0"})
+    for (const char* words :
+         {"--modality=CFF", "--trials=0", "--subjects=0", "--delays-s=-1", "--delays-s=50"})
         EXPECT_EQ(run_bench({"codecs", words}, folder.path()).exit_code, 2) << words;
+    const ProgramResult milliseconds = run_bench(
+        {"codecs", "--subjects=1", "--trials=1", "--modality=CF", "--delays-s", "50ms"}, folder.path());
+    EXPECT_EQ(milliseconds.exit_code, 0) << milliseconds.output;
+    EXPECT_THAT(milliseconds.output, HasSubstr("| codec | 50 ms |"));
 }
 
 }  // namespace

@@ -299,7 +299,15 @@ TEST_F(LabKeyTest, IsMadeByKeygenOnce) {
     const auto keygen = [this] { return run_thimble({"keygen", (folder_ / "new.key").string()}); };
     EXPECT_EQ(keygen().code, 0);
     EXPECT_NO_THROW(read_lab_key(folder_ / "new.key"));
-    EXPECT_EQ(keygen().code, 5);
+    EXPECT_EQ(keygen().code, 2);
+}
+
+TEST_F(LabKeyTest, IsMadeWhereItIsAskedForBesideAServicesCredential) {
+    setenv("CREDENTIALS_DIRECTORY", key_.parent_path().c_str(), 1);
+    const Outcome outcome = run_thimble({"keygen", (folder_ / "new.key").string()});
+    unsetenv("CREDENTIALS_DIRECTORY");
+    EXPECT_EQ(outcome.code, 0) << outcome.words;
+    EXPECT_NO_THROW(read_lab_key(folder_ / "new.key"));
 }
 
 TEST_F(LabKeyTest, MachinesWithoutOneAreRefused) {

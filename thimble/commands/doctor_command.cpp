@@ -41,7 +41,8 @@ ConfigFile read_session(const DoctorArguments& arguments, SystemSettings& settin
         settings = load_system_settings(arguments.session);
         if (!arguments.session.empty()) file = ConfigFile::load(arguments.session);
     } catch (const Error& error) {
-        facts.problem = error.what();
+        facts.problem = fmt::format("{}; the lines below are of the default session", error.what());
+        facts.problem_code = error.code();
     }
     gather_session(file, settings, facts);
     gather_services(settings, facts);
@@ -49,6 +50,7 @@ ConfigFile read_session(const DoctorArguments& arguments, SystemSettings& settin
         facts.energy = energy_warning(settings);
     } catch (const Error& error) {  // of a plug-in
         facts.problem = error.what();
+        facts.problem_code = error.code();
     }
     return file;
 }
@@ -59,6 +61,7 @@ int examine_machine(const DoctorArguments& arguments) {
     const ConfigFile file = read_session(arguments, settings, facts.session);
     const NetworkSettings network = read_network_settings(file);
     facts.session.several_machines = needs_other_machines(network);
+    facts.protection = gather_protection(network, settings);
     const int base_port = arguments.base_port != 0 ? arguments.base_port : network.base_port;
     facts.programs = gather_programs(program_folder());
     facts.ports = gather_ports(
@@ -102,8 +105,8 @@ Subcommand add_doctor(CLI::App& app) {
         "  thimble doctor deploy/sessions/delay50.toml --seconds 10\n"
         "  thimble doctor --json | jq '.findings[] | select(.severity != \"ok\")'\n"
         "\n"
-        "Exit codes: 0 the session can run, else by the first fault: 1 a program or device is missing, 2 "
-        "session file or screen, 3 ports, 4 time.");
+        "Exit codes: 0 the session can run, else by the first fault: 1 a program or device is missing, or "
+        "a plug-in fails, 2 session file, protection or screen, 3 ports, 4 time, 5 a key file is damaged.");
     return {command, [arguments] { return examine_machine(*arguments); }};
 }
 

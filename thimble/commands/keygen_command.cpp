@@ -29,7 +29,7 @@ Subcommand add_keygen(CLI::App& app) {
     return {keygen, [file] {
                 hide_memory();
                 prepare_security();
-                const auto path = lab_key_file(*file);
+                const auto path = new_lab_key_file(*file);
                 create_lab_key(path, system_random_bytes());
                 fmt::print("{}\n", path.string());
                 return 0;

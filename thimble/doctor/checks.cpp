@@ -23,11 +23,11 @@ const char* to_string(Severity severity) {
 }
 
 std::vector<Diagnosis> examine(const Facts& facts) {
-    constexpr std::array kChecks{check_session,         check_programs, check_ports,    check_firewall,
-                                 check_realtime,        check_timer,    check_governor, check_clock_source,
-                                 check_kernel,          check_clock,    check_handle,   check_fingertip,
-                                 check_device_software, check_can,      check_ros2,     check_screen,
-                                 check_sound,           check_software, check_python};
+    constexpr std::array kChecks{check_session,      check_protection,      check_programs, check_ports,
+                                 check_firewall,     check_realtime,        check_timer,    check_governor,
+                                 check_clock_source, check_kernel,          check_clock,    check_handle,
+                                 check_fingertip,    check_device_software, check_can,      check_ros2,
+                                 check_screen,       check_sound,           check_software, check_python};
     std::vector<Diagnosis> findings;
     findings.reserve(kChecks.size());
     for (const auto check : kChecks) findings.push_back(check(facts));

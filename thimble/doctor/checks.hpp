@@ -43,6 +43,7 @@ struct Diagnosis {
 
 // The session itself.
 Diagnosis check_session(const Facts& facts);
+Diagnosis check_protection(const Facts& facts);
 Diagnosis check_programs(const Facts& facts);
 Diagnosis check_ports(const Facts& facts);
 Diagnosis check_firewall(const Facts& facts);

@@ -77,7 +77,7 @@ Diagnosis check_handle(const Facts& facts) {
     finding.says =
         fmt::format("[handle] device = \"{}\"; plugged in: {}", facts.session.handle, list_of(found));
     if (facts.session.human && facts.session.handle == "simulated") {
-        return finding.adds(Severity::kNote,
+        return finding.adds(Severity::kWarning,
                             "; for a person set device to \"pointer\", \"keyboard\" or a real handle, or use "
                             "programs that run already (--attach)");
     }

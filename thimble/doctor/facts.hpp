@@ -9,14 +9,16 @@
 #include <vector>
 
 #include "common/config.hpp"
+#include "common/error.hpp"
 
 namespace thimble {
 
+struct NetworkSettings;
 struct SystemSettings;
 
 struct SessionFacts {
     std::string file;     // as given; empty: the defaults
-    std::string problem;  // why it cannot be read; empty: it can
+    std::string problem;  // why it cannot be read, or its plug-in fails; empty: it is good
     bool several_machines = false;
     std::string handle = "simulated", fingertip = "simulated";  // [handle] device, [cutaneous] device
     bool window = false;                                        // [visual] display
@@ -28,6 +30,14 @@ struct SessionFacts {
     std::string software_problem{};    // of a device: its SDK, its firmware or its program cannot be used
     std::string middleware_problem{};  // of TouchDIVERs: no program listens at its port, and why
     std::string can_bus{};  // of motor drives; empty: there are none, or their bus is reached over UDP
+    ExitCode problem_code{ExitCode::kUsage};
+};
+
+struct ProtectionFacts {
+    std::string mode = "user-key";  // [security] mode
+    std::string problem;            // why thimble run refuses it, or cannot use the key; empty: it can
+    ExitCode code = ExitCode::kUsage;
+    std::string remedy{};  // one command
 };
 
 struct RealtimeFacts {
@@ -152,6 +162,7 @@ struct Facts {
     Ros2Facts ros2{};
     ScreenFacts screen;
     SoundFacts sound;
+    ProtectionFacts protection{};
 };
 
 // Looks at the machine for the doctor. Files are read below a folder, which is "/" except in tests. It changes
@@ -175,6 +186,8 @@ ProgramFacts gather_programs(const std::filesystem::path& folder);
 void gather_session(const ConfigFile& file, const SystemSettings& settings, SessionFacts& facts);
 // Connects to the services of the session's devices, which another session may use: for thimble doctor alone.
 void gather_services(const SystemSettings& settings, SessionFacts& facts);
+// Reads the key that the session's programs need, as they do, and makes none. A lab key hides this process's memory.
+ProtectionFacts gather_protection(const NetworkSettings& network, const SystemSettings& settings);
 // The interfaces of the session's ROS 2 devices, 127.0.0.1 without one, and what the environment says to ROS 2.
 Ros2Facts gather_ros2(const ConfigFile& file, const SystemSettings& settings);
 ScreenFacts gather_screen();

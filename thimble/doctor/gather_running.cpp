@@ -21,11 +21,13 @@
 #include "common/process/child.hpp"
 #include "common/ros2_settings.hpp"
 #include "common/runtime/event_waiter.hpp"
+#include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/tcp_client.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/security/lab_key_file.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "master/devices/force_dimension/dhd_library.hpp"
@@ -33,6 +35,7 @@
 #include "master/devices/touch/hd_library.hpp"
 #include "session/clocks/chrony.hpp"
 #include "session/launch/node_kinds.hpp"
+#include "session/launch/remote_script.hpp"
 #include "session/launch/ros2_programs.hpp"
 #include "session/settings/system_settings.hpp"
 #include "thimble/doctor/facts.hpp"
@@ -240,6 +243,14 @@ std::string middleware_problem(const CutaneousSettings& cutaneous) {
     }
 }
 
+// Of a lab key that is not there, or of a key that is not good.
+std::string key_remedy(const SecuritySettings& security) {
+    const bool user_key = security.mode == SecurityMode::kUserKey;
+    const fs::path key = user_key ? user_key_file() : lab_key_file(security.key_file);
+    std::error_code none;
+    return (user_key || fs::exists(key, none) ? "ls -l " : "thimble keygen ") + shell_word(key.string());
+}
+
 Ros2Facts::Interface interface_at(const std::string& address) {
     Ros2Facts::Interface found{address, "", false, false};
     ifaddrs* list = nullptr;
@@ -282,6 +293,25 @@ void gather_session(const ConfigFile& file, const SystemSettings& settings, Sess
 void gather_services(const SystemSettings& settings, SessionFacts& facts) {
     if (facts.software_problem.empty()) facts.software_problem = haply_problem(settings.handle);
     facts.middleware_problem = middleware_problem(settings.cutaneous);
+}
+
+ProtectionFacts gather_protection(const NetworkSettings& network, const SystemSettings& settings) {
+    const SecuritySettings& security = network.security;
+    ProtectionFacts facts{std::string(to_string(security.mode)), "", ExitCode::kUsage, "thimble keygen"};
+    try {
+        require_protection(network);
+        if (is_real(settings.handle.kind) || settings.slave.device != SlaveDevice::kSimulated)
+            require_protection_of_handle(network);
+        facts.remedy.clear();
+        if (security.mode == SecurityMode::kNone) return facts;
+        if (security.mode == SecurityMode::kUserKey && !has_user_key()) return facts;  // programs make it
+        facts.remedy = key_remedy(security);
+        make_security(network);
+    } catch (const Error& error) {
+        facts.problem = in_one_line(error);
+        facts.code = error.code();
+    }
+    return facts;
 }
 
 Ros2Facts gather_ros2(const ConfigFile& file, const SystemSettings& settings) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "session/launch/remote_script.hpp"
 #include "thimble/doctor/checks.hpp"
 
 namespace thimble {
@@ -34,13 +35,21 @@ std::string free_ports_command(const PortFacts& ports) {
 
 Diagnosis check_session(const Facts& facts) {
     const SessionFacts& session = facts.session;
-    Diagnosis finding{"session", ExitCode::kUsage};
+    Diagnosis finding{"session", session.problem_code};
     if (!session.problem.empty())
-        return finding.is(Severity::kFault, session.problem, fmt::format("thimble check {}", session.file));
+        return finding.is(Severity::kFault, session.problem, "thimble check " + shell_word(session.file));
     if (!session.energy.empty()) return finding.is(Severity::kWarning, session.energy);
     return finding.is(Severity::kOk, session.file.empty()
                                          ? "the default session (name a session file to check that one)"
                                          : fmt::format("{} is good", session.file));
+}
+
+Diagnosis check_protection(const Facts& facts) {
+    const ProtectionFacts& protection = facts.protection;
+    Diagnosis finding{"protection", protection.code};
+    if (!protection.problem.empty())
+        return finding.is(Severity::kFault, protection.problem, protection.remedy);
+    return finding.is(Severity::kOk, fmt::format("[security] mode = \"{}\"", protection.mode));
 }
 
 Diagnosis check_programs(const Facts& facts) {

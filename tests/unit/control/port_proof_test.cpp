@@ -99,24 +99,6 @@ TEST(PortProof, APassivityControllerIsNoBound) {
     EXPECT_LT(least_J(compensator, Motion::kWorst, 1, 0.5, false, draws(1)), -1e-3);
 }
 
-TEST(PortProof, AnEncoderIsWrongByNoMoreThanItsBound) {
-    for (std::uint32_t run = 0; run < 20; ++run) {
-        RandomStream random = draws(1000 + run);
-        PortObserver exact, read;
-        double position_m = 0, force_N = 0, most = 0;
-        for (int tick = 0; tick < 500; ++tick) {
-            exact.add(position_m, force_N);
-            read.add(std::floor(position_m / 1e-5 + 0.5) * 1e-5, force_N);
-            const double error_J = std::fabs(read.energy_in_J() - exact.energy_in_J());
-            EXPECT_LE(error_J, read.encoder_error_J(1e-5) + 1e-15);
-            if (tick > 0) most = std::max(most, error_J / read.encoder_error_J(1e-5));
-            position_m += 3e-5 * random.normal();
-            force_N = random.uniform(-10, 10);
-        }
-        EXPECT_GT(most, 0.01) << "a bound far from what happens says nothing";
-    }
-}
-
 TEST(PortProof, WithoutDeviceDampingOrANumberThereIsNoForce) {
     for (int kind = 0; kind < 3; ++kind) {
         SCOPED_TRACE(kind);

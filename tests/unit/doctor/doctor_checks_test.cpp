@@ -47,11 +47,18 @@ SessionFacts session_with(const char* handle, const char* fingertip = "simulated
 const SessionFacts kSeveral{"", "", true};
 
 TEST(DoctorChecks, ABadSessionFileIsAFaultWithItsOwnWords) {
-    const auto session = [](const char* problem) { return with(&Facts::session, {"mine.toml", problem}); };
+    const auto session = [](const char* problem) { return with(&Facts::session, {"my s/a.toml", problem}); };
     expect_findings(check_session,
                     {{{}, kOk, "default session"},
-                     {session(""), kOk, "mine.toml is good"},
-                     {session("mine.toml:3: unknown"), kFault, "mine.toml:3", "thimble check mine.toml"}});
+                     {session(""), kOk, "my s/a.toml is good"},
+                     {session("a.toml:3: unknown"), kFault, "a.toml:3", "thimble check 'my s/a.toml'"}});
+}
+
+TEST(DoctorChecks, AKeyThatCannotBeUsedIsAFaultWithItsOwnRemedy) {
+    const ProtectionFacts none{"lab-key", "cannot read the lab key", ExitCode::kUsage, "thimble keygen 'a'"};
+    expect_findings(check_protection,
+                    {{{}, kOk, "[security] mode = \"user-key\""},
+                     {with(&Facts::protection, none), kFault, "cannot read", "thimble keygen 'a'"}});
 }
 
 TEST(DoctorChecks, AnEnergyLimitThatStopsTheTrialsIsAWarning) {
@@ -154,16 +161,15 @@ TEST(DoctorChecks, SlowProcessorsAndClocksAreTold) {
                                     "CONFIG_HIGH_RES_TIMERS", "linux-image"}});
 }
 
-TEST(DoctorChecks, NobodyNeedsTheClockOnOneMachine) {
+TEST(DoctorChecks, NobodyNeedsASynchronisedClock) {
     const auto clock = [](ClockFacts facts) {
         return with(&Facts::clock, std::move(facts), with(&Facts::session, kSeveral));
     };
-    expect_findings(
-        check_clock,
-        {{clock({true, true, 0.002, "chrony follows x"}), kOk, "within 2.0 ms"},
-         {with(&Facts::clock, {true, false, 0, ""}), kOk, "enough for a session on one machine"},
-         {clock({true, false, 0, ""}), kNote, "less precisely than with synchronised clocks", "chrony"},
-         {clock({false, false, 0, ""}), kNote, "does not say", "chrony"}});
+    expect_findings(check_clock,
+                    {{clock({true, true, 0.002, "chrony follows x"}), kOk, "within 2.0 ms"},
+                     {with(&Facts::clock, {true, false, 0, ""}), kOk, "enough for a session on one machine"},
+                     {clock({true, false, 0, ""}), kOk, "measures the offsets between machines"},
+                     {clock({false, false, 0, ""}), kOk, "does not say"}});
 }
 
 TEST(DoctorChecks, ADeviceThatIsWantedMustBeThereAndOpen) {
@@ -255,6 +261,7 @@ TEST(DoctorChecks, APersonNeedsSoundScreenAndTheHandlesSoftware) {
                                    kNote, "shown", "aplay"}});
     const Facts blind = with(&Facts::screen, {true, "no screen", "", ""}, with(&Facts::session, person));
     expect_findings(check_screen, {{blind, kFault, "no screen", "DISPLAY"}});
+    expect_findings(check_handle, {{with(&Facts::session, person), kWarning, "for a person set device"}});
     SessionFacts device = person;
     device.handle = "falcon";
     device.software_problem = "nvent.bin cannot be read";
@@ -301,6 +308,11 @@ TEST(DoctorChecks, Ros2NeedsADomainAndAnInterfaceThatMulticasts) {
 
 TEST(DoctorChecks, ExitCodesAreThoseOfTheManual) {
     EXPECT_EQ(check_session({}).code, ExitCode::kUsage);
+    SessionFacts fails{"mine.toml", "a plug-in crashed"};
+    fails.problem_code = ExitCode::kRunFailed;
+    EXPECT_EQ(check_session(with(&Facts::session, fails)).code, ExitCode::kRunFailed);
+    const ProtectionFacts damaged{"lab-key", "holds no lab key", ExitCode::kData};
+    EXPECT_EQ(check_protection(with(&Facts::protection, damaged)).code, ExitCode::kData);
     EXPECT_EQ(check_ports({}).code, ExitCode::kNetwork);
     EXPECT_EQ(check_timer({}).code, ExitCode::kRealtime);
 }

@@ -12,7 +12,7 @@
 #define BAD_ABI THIMBLE_CONTROLLER_ABI
 #endif
 
-enum fault { NONE, CRASH, NOT_A_NUMBER, HANG, ALLOCATE, CLOCK, RANGE, LEAVE, REFUSE, GLOBAL, ACTIVE, REMEMBER, ABORT, RANDOM, FAR, ECHO, SHARED_SLAVE, OLD_SLAVE, HANG_IN_CREATE, HANG_IN_DESTROY };
+enum fault { NONE, CRASH, NOT_A_NUMBER, HANG, ALLOCATE, CLOCK, RANGE, LEAVE, REFUSE, GLOBAL, ACTIVE, REMEMBER, ABORT, RANDOM, FAR, ECHO, SHARED_SLAVE, OLD_SLAVE, HANG_IN_CREATE, HANG_IN_DESTROY, SLOW_IN_CREATE };
 
 struct bad {
     enum fault fault;
@@ -26,6 +26,7 @@ static void* create(const thimble_controller_settings* settings) {
     struct bad* bad = calloc(1, sizeof *bad);
     bad->fault = (enum fault)settings->values[0];
     while (bad->fault == HANG_IN_CREATE) pause();
+    if (bad->fault == SLOW_IN_CREATE) usleep(10000);
     if (bad->fault != REFUSE) return bad;
     free(bad);
     return NULL;
@@ -122,7 +123,7 @@ static void answer_slave(void* self, const thimble_feedback* felt, thimble_packe
 #endif
 
 const thimble_controller* thimble_controller_table(void) {
-    static const thimble_controller_key keys[] = {{"fault_number", NONE, NONE, HANG_IN_DESTROY, "What it does wrong."}};
+    static const thimble_controller_key keys[] = {{"fault_number", NONE, NONE, SLOW_IN_CREATE, "What it does wrong."}};
     static const thimble_controller table = {
         .abi = BAD_ABI,
 #ifdef BOTH_ENDS

@@ -1,6 +1,8 @@
 // thimble board --check: each fault is found, and none in the example.
 #include "study/board/plugin_check.hpp"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,7 +43,15 @@ TEST(PluginCheck, EachFaultIsNamed) {
     EXPECT_THAT(broken(Fault::kLeave), HasSubstr("exit code 0"));
     EXPECT_THAT(broken(Fault::kRefuse), HasSubstr("create()"));
     EXPECT_THAT(broken(Fault::kHang, std::chrono::milliseconds{300}),
-                HasSubstr("did not return from force()"));
+                HasSubstr("did not return from force(); it took longer than 0.3 s"));
+}
+
+// 64 pairs of hostile input need 1.28 s, none of their calls a second.
+TEST(PluginCheck, TheLimitIsOfACallAndNotOfItsRule) {
+    EXPECT_EQ(broken(Fault::kSlowInCreate, std::chrono::seconds{1}, "two_ends"), "");
+    const std::string hung = broken(Fault::kHangInCreate, std::chrono::milliseconds{300});
+    EXPECT_THAT(hung, HasSubstr("did not return from create(); it took longer than 0.3 s"));
+    EXPECT_EQ(std::count(hung.begin(), hung.end(), '\n'), 1) << "the rules behind it are not tried";
 }
 
 TEST(PluginCheck, FaultsOfTheSlavesEndAreNamedToo) {

@@ -100,11 +100,20 @@ TEST(PluginSession, NeitherCtrlCNorAPrintDisturbsAPythonController) {
     EXPECT_EQ(end.force_N(), 0.5);
 }
 
+TEST(PluginSession, APythonFileThatOnlyPrintsIsNoController) {
+    const TemporaryDirectory folder;
+    for (const char* words : {"print('hi')\n", "print('hi\\na\\tb')\n", ""}) {
+        write_text(folder / "prints.py", words);
+        EXPECT_THAT(refusal([&] { control_by(folder / "prints.py"); }, ExitCode::kUsage),
+                    HasSubstr("must call serve()"));
+    }
+}
+
 TEST(PluginSession, APythonControllerThatHangsIsEnded) {
     const TemporaryDirectory folder;
     write_text(folder / "hangs.py",
                "import sys, time\n"
-               "if sys.argv[1] == '--describe':\n    print('hangs')\n    sys.exit()\n"
+               "if sys.argv[1] == '--describe':\n    print('thimble controller 1\\nhangs')\n    sys.exit()\n"
                "sys.stdin.buffer.read(112)\nsys.stdout.buffer.write(bytes(8))\nsys.stdout.flush()\n"
                "time.sleep(600)\n");
     { const HandleEnd end(control_by(folder / "hangs.py"), {}); }  // comes back

@@ -29,7 +29,8 @@ enum class Fault {
     kSharedSlave,
     kOldSlave,
     kHangInCreate,
-    kHangInDestroy
+    kHangInDestroy,
+    kSlowInCreate  // 10 ms, as an interpreter that starts
 };
 
 inline std::filesystem::path plugin_file(const std::string& name) {

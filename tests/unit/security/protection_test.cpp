@@ -194,7 +194,8 @@ TEST_F(LabKeyFile, IsReadBackAsItWasMade) {
 
 TEST_F(LabKeyFile, IsNeverOverwritten) {
     const fs::path path = write("something");
-    EXPECT_THAT(refusal([&] { create_lab_key(path, seeded_bytes(1)); }), HasSubstr(path.string()));
+    EXPECT_THAT(refusal([&] { create_lab_key(path, seeded_bytes(1)); }, ExitCode::kUsage),
+                HasSubstr(path.string()));
     EXPECT_EQ(fs::file_size(path), 9U);
     fs::create_symlink("nowhere", folder_ / "link");
     EXPECT_THROW(create_lab_key(folder_ / "link", seeded_bytes(1)), Error);
@@ -219,6 +220,7 @@ TEST_F(LabKeyFile, IsTakenFromAServicesCredentials) {
     create_lab_key(path, seeded_bytes(1));
     setenv("CREDENTIALS_DIRECTORY", folder_.path().c_str(), 1);
     EXPECT_EQ(lab_key_file("/somewhere/else"), path);
+    EXPECT_EQ(new_lab_key_file("/somewhere/else"), "/somewhere/else");
     if (geteuid() == 0) {
         chmod(path.c_str(), 0440);
         EXPECT_NO_THROW(read_lab_key(path));
