@@ -162,7 +162,7 @@ std::string difference_sentence(const Groups& groups) {
     if (any_comparison(groups, judged))
         return "No difference between two modalities was found in any measure.";
     if (!any_comparison(groups, anything))
-        return "No two modalities can be compared: each delay has measures of one modality only.";
+        return "No two modalities can be compared: no delay has measures of two modalities.";
     const Texts seen = clauses(groups, measured, [](const std::vector<const ConditionPair*>& all) {
         const ConditionPair& c = largest(all);
         return fmt::format("{} in {}", difference_text(c), name_of(c.metric));
@@ -205,23 +205,6 @@ std::string alike_text(const Groups& groups) {
         fmt::join(clauses(groups, alike, pairs_text), "; "));
 }
 
-// A condition that has trials but none that came to this measure.
-Texts unmeasured(const GroupFindings& group) {
-    Texts missing;
-    for (const Metric metric : measures_of(group.experiment)) {
-        const auto all = chosen(group, metric, anything);
-        for (const OscillationShare& share : group.oscillations) {
-            const bool there = std::any_of(all.begin(), all.end(), [&](const ConditionPair* c) {
-                return c->first == share.condition || c->second == share.condition;
-            });
-            if (there || all.empty()) continue;
-            missing.push_back(
-                fmt::format("{} has no {} at {}", share.condition, name_of(metric), group.name));
-        }
-    }
-    return missing;
-}
-
 std::string need_text(const ConditionPair& c) {
     if (!c.paired)
         return fmt::format("{} of two modalities are too few for a test, which needs at least {} of each",
@@ -253,7 +236,8 @@ std::string limits_sentence(const Groups& groups) {
     Texts parts = too_few(groups);
     if (std::string text = alike_text(groups); !text.empty()) parts.push_back(std::move(text));
     for (const GroupFindings& group : groups) {
-        for (std::string& text : unmeasured(group)) parts.push_back(std::move(text));
+        for (const auto& [condition, metric] : group.unmeasured)
+            parts.push_back(fmt::format("{} has no {} at {}", condition, name_of(metric), group.name));
     }
     if (!parts.empty()) return sentence(fmt::format("{}", fmt::join(parts, "; ")));
     return fmt::format(

@@ -29,6 +29,18 @@ OscillationShare share_of(const std::string& condition, const std::vector<TrialR
     return share;
 }
 
+std::vector<std::pair<std::string, Metric>> unmeasured_in(const StudyColumns& columns, Metric metric) {
+    const std::vector<NamedValues> values = columns.groups(metric);
+    const auto lacks = [](const NamedValues& column) { return column.values.empty(); };
+    std::vector<std::pair<std::string, Metric>> unmeasured;
+    if (std::all_of(values.begin(), values.end(), lacks)) return unmeasured;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (lacks(values[i]) && !columns.rows_of(columns.conditions()[i]).empty())
+            unmeasured.emplace_back(values[i].name, metric);
+    }
+    return unmeasured;
+}
+
 GroupFindings find_in(const std::vector<TrialRow>& rows, std::uint32_t experiment, double delay_s) {
     GroupFindings group;
     group.experiment = experiment;
@@ -41,6 +53,8 @@ GroupFindings find_in(const std::vector<TrialRow>& rows, std::uint32_t experimen
     for (const Metric metric : measures_of(experiment)) {
         const std::vector<ConditionPair> pairs = compare_conditions(columns, metric);
         group.comparisons.insert(group.comparisons.end(), pairs.begin(), pairs.end());
+        const auto unmeasured = unmeasured_in(columns, metric);
+        group.unmeasured.insert(group.unmeasured.end(), unmeasured.begin(), unmeasured.end());
     }
     return group;
 }

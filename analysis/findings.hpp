@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -29,6 +30,8 @@ struct GroupFindings {
     double delay_s = 0;
     std::vector<OscillationShare> oscillations;
     std::vector<ConditionPair> comparisons;
+    // Conditions that have trials, but not one value of this measure. Another condition has values of it.
+    std::vector<std::pair<std::string, Metric>> unmeasured;
     std::string name;  // "50 ms"; with several experiments "50 ms in experiment 3"
 };
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -42,10 +43,23 @@ bool is_there(const std::filesystem::path& file) {
     return std::filesystem::exists(file, ignored);
 }
 
+// The names of its columns have the unit of their axis, s or %.
+void refuse_other_axis(const std::filesystem::path& curves, const CurveGrid& grid) {
+    const std::string header = first_line(curves);
+    const bool whole = header.find("surface") != std::string::npos;
+    const bool percent = header.find('%') != std::string::npos;
+    if (!whole || percent == (grid.axis == CurveAxis::kEntryToBeep)) return;
+    throw Error(ExitCode::kUsage,
+                "{}: its curves have --axis {}: --resume needs the same --axis; or replace the study with "
+                "--overwrite, or name another folder with --out",
+                curves.string(), kCurveAxisNames[percent ? 1 : 0]);
+}
+
 // How many of the rows have their curve. Each of those curves goes to `take_curve`.
 std::size_t take_curves(const std::filesystem::path& curves, const std::vector<TrialRow>& rows,
                         const TakeCurve& take_curve, const CurveGrid& grid) {
     if (!is_there(curves)) return 0;
+    refuse_other_axis(curves, grid);
     std::size_t both = 0;
     const auto take = [&](const TrialCurve& curve) {
         if (both == rows.size()) return;  // its row was never written
@@ -101,6 +115,21 @@ void StudyTables::append(const TrialRow& row, const TrialCurve& curve) {
     table_.append(row);
 }
 
+namespace {
+
+// A figure is known by its script. Other files of the folder are the user's.
+void remove_figures(const std::filesystem::path& folder) {
+    std::error_code absent;
+    if (!std::filesystem::is_directory(std::filesystem::symlink_status(folder, absent))) return;
+    std::vector<std::filesystem::path> scripts;
+    for (const auto& file : std::filesystem::directory_iterator(folder, absent))
+        if (file.path().extension() == ".gp") scripts.push_back(file.path());
+    for (std::filesystem::path& figure : scripts)
+        for (const char* end : {".tsv", ".svg", ".pdf", ".gp"}) remove_file(figure.replace_extension(end));
+}
+
+}  // namespace
+
 void remove_earlier_results(const std::filesystem::path& folder) {
     for (const char* name :
          {"trials.txt", "virtual.csv", "trials_curves.csv", "control.csv", "control_curves.csv", "no_lag.csv",
@@ -112,6 +141,7 @@ void remove_earlier_results(const std::filesystem::path& folder) {
             remove_file(folder / fmt::format("hf_{}{}", compensator, end));
     }
     remove_trajectories(folder / "trajectories");
+    remove_figures(folder / "figures");
 }
 
 }  // namespace thimble

@@ -15,7 +15,7 @@ class StudyTables {
   public:
     // IfExists::kContinue reads the earlier trials, passes the curve of each to `take_curve`, and cuts off half-written lines.
     // Throws Error before it changes a byte: usage, if the trials are not the first of `planned` (another study, seed or
-    // version); data, if a table is damaged or has no curves.
+    // version) or the curves have another axis; data, if a table is damaged or has no curves.
     StudyTables(const std::filesystem::path& folder, const std::string& name, IfExists if_exists,
                 const std::vector<TrialConditions>& planned, const TakeCurve& take_curve,
                 const CurveGrid& grid = kContactGrid);
@@ -32,7 +32,7 @@ class StudyTables {
     CurveFile curves_;
 };
 
-// All that an earlier study or run has left beside trials.csv and would pass for the new one's: side tables, trajectories, report.
+// All that an earlier study or run has left beside trials.csv and would pass for the new one's: side tables, trajectories, figures, report.
 // The caller makes sure that no program writes trials.csv. Throws Error (usage) if a file cannot be removed.
 void remove_earlier_results(const std::filesystem::path& folder);
 

@@ -49,7 +49,8 @@ Claim judged(const PaperClaim& of, const Experiments& experiments) {
     }
     const std::size_t fewest = fewest_subjects(of, experiments);
     if (of.has_test && fewest < kFewestJudged) {
-        claim.ours = fmt::format("not judged: {} subjects, at least {} are needed", fewest, kFewestJudged);
+        claim.ours = fmt::format("not judged: {} subject{}, at least {} are needed", fewest,
+                                 fewest == 1 ? "" : "s", kFewestJudged);
         return claim;
     }
     try {
@@ -142,7 +143,7 @@ std::string claims_sentence(const std::vector<Claim>& claims) {
     const auto refused = std::count_if(claims.begin(), claims.end(), [](const Claim& c) {
         return c.counts() && c.had_trials && !c.reproduced;
     });
-    if (refused > 0) text += fmt::format("; {} more cannot be judged (see claims.json)", refused);
+    if (refused > 0) text += fmt::format("; {} more cannot be judged", refused);
     return text;
 }
 

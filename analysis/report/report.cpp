@@ -119,6 +119,7 @@ std::string provenance_html(const ReportInput& report) {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kDigests = "sha256";
+constexpr const char* kClock = "clock";
 
 Json to_json(const ConditionSummary& condition) {
     Json json{{"modality", to_string(condition.modality)},
@@ -184,6 +185,16 @@ void require_tables(const Json& digests, const std::filesystem::path& folder) {
     }
 }
 
+// Of the commands that write a summary, only run has a clock, and only run and study have a design.
+void require_command(const Json& json, const std::filesystem::path& folder, const std::string& command) {
+    const bool is_run = json.contains(kClock);
+    if (is_run == (command == "run") && json.at("provenance").contains(kDesign)) return;
+    throw Error(ExitCode::kUsage,
+                "{}: thimble {} did not write this folder: --run takes a folder of thimble run, --study one "
+                "of thimble study",
+                folder.string(), command);
+}
+
 Figure read_figure(const Json& json, const std::filesystem::path& folder) {
     Figure figure;
     figure.name = json.at("name").get<std::string>();
@@ -221,9 +232,11 @@ void add_folder(ReportInput& report, const std::filesystem::path& folder, const 
     if (!file) fail(path, "cannot be read");
     try {
         const Json json = Json::parse(file);
+        require_command(json, folder, what);
         require_tables(json.value(kDigests, Json::object()), folder);
+        const std::string of = json.value(kClock, "") == "virtual" ? "Virtual time" : title;
         if (json.contains("answer"))
-            report.answers.push_back({title, json.at("answer").get<std::vector<std::string>>()});
+            report.answers.push_back({of, json.at("answer").get<std::vector<std::string>>()});
         for (const Json& section : json.at("sections"))
             report.sections.push_back(read_section(section, folder));
         for (const auto& [key, value] : json.at("provenance").items()) {
@@ -289,7 +302,7 @@ void write_summary(const ReportInput& report, const std::filesystem::path& json_
     Json json{{"title", report.title}};
     for (const Answer& answer : report.answers) json["answer"] = answer.sentences;
     if (report.time) {
-        json["clock"] = report.time->clock;
+        json[kClock] = report.time->clock;
         json["simulated_s"] = report.time->simulated_s;
         json["wall_s"] = report.time->wall_s;
     }

@@ -1,5 +1,5 @@
-// The report of a study (virtual time), of a run (real processes) or of both: one HTML file that stands
-// alone, and the same numbers as summary.json.
+// The report of a study (virtual time), of a run (real processes or virtual time) or of both: one HTML file
+// that stands alone, and the same numbers as summary.json.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct ReportSection {
 };
 
 struct Answer {
-    std::string of;  // "Virtual study", "Real processes"; empty if there is one
+    std::string of;  // "Virtual study", "Real processes", "Virtual time" (of a run); empty if there is one
     std::vector<std::string> sentences;
 };
 
@@ -69,7 +69,7 @@ void write_summary(const ReportInput& report, const std::filesystem::path& json)
 // `thimble report`: one report.html from the folders that a run and a study left behind.
 
 // Reads summary.json and figures/ of each folder; an empty path leaves that part out. Gives their answers. Throws Error: usage if
-// both are empty, data if a folder holds no readable results.
+// both are empty or another command wrote a folder, data if a folder holds no readable results.
 std::vector<Answer> write_combined_report(const std::filesystem::path& run,
                                           const std::filesystem::path& study,
                                           const std::filesystem::path& html, const std::string& command);

@@ -6,6 +6,11 @@
 #include "common/math/portable.hpp"
 
 namespace thimble {
+namespace {
+
+constexpr double kLeastPivot = 1e-12;  // of the diagonal
+
+}  // namespace
 
 std::optional<Cholesky> Cholesky::of(std::vector<double> matrix, std::size_t size) {
     for (std::size_t j = 0; j < size; ++j) {
@@ -13,8 +18,10 @@ std::optional<Cholesky> Cholesky::of(std::vector<double> matrix, std::size_t siz
         for (std::size_t i = j; i < size; ++i) {
             double* const row_i = &matrix[i * size];
             double sum = row_i[j];
+            const double own = sum;
             for (std::size_t k = 0; k < j; ++k) sum -= row_i[k] * row_j[k];
-            if (i == j && !(sum > 0)) return std::nullopt;
+            // A row that depends on others leaves rounding alone, about 1e-15 of its diagonal.
+            if (i == j && !(sum > kLeastPivot * own)) return std::nullopt;
             row_i[j] = i == j ? std::sqrt(sum) : sum / row_j[j];
         }
     }

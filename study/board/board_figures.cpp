@@ -39,11 +39,12 @@ FigureSource pareto_figure(const std::vector<Contestant>& contestants) {
         "\\\n     '' index 1 using 1:2 with points pt 6 ps 1.1 lc rgb '{3}' title 'dominated', \\\n     '' "
         "using 1:2:3 with labels left offset char 0.8,0.35 font ',11' noenhanced notitle\n",
         1.25 * deepest_mm, name, kBlue, kGrey);
-    return {name, "Penetration and stiffness",
-            "Up and to the left is better. In brackets: share of trials that oscillated or were not "
-            "completed, if there were any. Packets per second, the fourth objective, are in the table.",
-            "# penetration (mm), stiffness, name\n" + block(contestants, true) + block(contestants, false),
-            script};
+    return {
+        name, "Penetration and stiffness",
+        "Up and to the left is better. In brackets, if there were any: the larger share of trials that "
+        "oscillated, or that were not completed. Packets per second, the fourth objective, are in the table.",
+        "# penetration (mm), stiffness, name\n" + block(contestants, true) + block(contestants, false),
+        script};
 }
 
 }  // namespace thimble

@@ -37,7 +37,8 @@ ReportTable front_table(std::vector<Contestant> contestants) {
         "Contestant: a controller with a codec. Front 1: no other contestant dominates it. A contestant "
         "dominates another if it is better in one objective and worse in none. A difference counts if it is "
         "outside the 90 % intervals and not smaller than 1 % of trials, 0.1 mm, 2 % of the stiffness or 20 "
-        "packets/s.",
+        "packets/s. Unstable trials: in each condition, the larger of two shares: trials that oscillated, "
+        "and trials that were not completed.",
         {"contestant", "front", "stable conditions", "unstable trials, %", "maximum penetration, mm",
          "stiffness felt", "drift, mm", "packets/s", "dominated by"}};
     std::stable_sort(contestants.begin(), contestants.end(), [](const Contestant& a, const Contestant& b) {
@@ -128,7 +129,7 @@ std::size_t place_in(Names& names, const std::string& name) {
 FigureSource stability_figure(const std::vector<BoardRow>& rows, const std::vector<Contestant>& contestants,
                               bool papers_task) {
     HeatMap map{
-        {},         {}, {}, "", "trials that oscillated or did not complete", "maximum penetration (mm)",
+        {},         {}, {}, "", "trials that oscillated or that did not complete", "maximum penetration (mm)",
         kVermillion};
     const bool codecs = !contestants.empty() && contestants.front().name.find(" / ") != std::string::npos;
     for (const BoardRow& row : rows) {
@@ -148,8 +149,8 @@ FigureSource stability_figure(const std::vector<BoardRow>& rows, const std::vect
     FigureSource figure = heat_map_figure(map, papers_task ? "board_networks" : "board_tasks");
     figure.title = papers_task ? "Stability over each network" : "Other hands, tissues and scenes";
     figure.caption =
-        "In each cell: maximum penetration in mm. The darker a cell, the more trials oscillated or were not "
-        "completed. !: no measures.";
+        "In each cell: maximum penetration in mm. Darker: a larger share of trials "
+        "that oscillated, or that were not completed. !: no measures.";
     return figure;
 }
 

@@ -12,7 +12,7 @@
 namespace thimble {
 namespace {
 
-// Trials that oscillated or did not complete; one that did both counts once.
+// The least share of trials that oscillated or did not complete: a row does not say which trials did both.
 BoardValue unstable_share(const std::vector<const BoardRow*>& rows) {
     double bad = 0;
     std::size_t trials = 0;

@@ -1,5 +1,7 @@
 // A cell with the virtual operator: experiment 3's trials with a compensator in the place of HF, or with CF, CCF, VF.
 #include <cmath>
+#include <limits>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -39,6 +41,15 @@ char outcome_of(const CompensatorRow& row) {
 
 std::string field(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : ""; }
 
+// NaN where more than the delay makes the position older: nothing measures its age here.
+double effective_delay_s(const MapGrid& g, const CellPlace& place, const SystemSettings& settings) {
+    const bool plain = g.compensators[place.compensator] == kCompensatorNames[0] &&
+                       g.jitters_s[place.jitter] == 0 && g.losses[place.loss] == 0 &&
+                       !settings.slave.codec.used();
+    if (!plain) return std::numeric_limits<double>::quiet_NaN();
+    return g.delays_s[place.delay] + to_seconds(settings.master.sample_period) / 2;
+}
+
 }  // namespace
 
 double virtual_critical_N_per_m(const MapGrid& g, const CellPlace& place) {
@@ -70,9 +81,9 @@ std::string virtual_measures(const MapGrid& g, const CellPlace& place) {
     options.seed = g.seed;
     options.jobs = 1;
     const CompensatorRow row = run_compensator_study(settings, options).at(0);
-    return fmt::format(",,{},,{},,,{},{:.6g},{},{},{},{},{},{}", outcome_of(row),
+    return fmt::format(",,{},,{},,,{},{},{},{},{},{},{},{}", outcome_of(row),
                        field(row.oscillation_peak_to_peak_m / settings.master.position_scale),
-                       field(delay_s + to_seconds(settings.master.sample_period) / 2), row.share, row.trials,
+                       field(effective_delay_s(g, place, settings)), field(row.share), row.trials,
                        row.completed, row.oscillating, field(row.penetration_mean_m),
                        field(row.penetration_max_m), field(row.completion_time_s));
 }

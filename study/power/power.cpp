@@ -105,7 +105,7 @@ class PowerPlan {
             for (std::size_t b = a + 1; b < means.size(); ++b, ++at) {
                 const bool all = trials == options_.trials;
                 if (all)
-                    result_.comparisons.push_back({metric, means[a].name, means[b].name, 0, 0, 0, {}, {}});
+                    result_.comparisons.push_back({metric, means[a].name, means[b].name, 0, {}, 0, {}, {}});
                 judge(pair_of(means[a], means[b], metric), trials, all, result_.comparisons.at(at));
             }
         }

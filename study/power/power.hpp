@@ -45,7 +45,8 @@ struct PowerComparison {
     Metric metric = Metric::kPenetrationMean;
     std::string first, second;
     double delay_s = 0;
-    double difference = 0;         // in the pool, SI: first minus second
+    std::optional<double>
+        difference;                // in the pool, SI: first minus second; nothing if no subject has a value
     std::size_t with_a_value = 0;  // of the pool: subjects whose trials, all of them, give a difference
     // By trials per modality: subjects needed; nothing if kMostPowerSubjects are not enough.
     std::map<std::uint32_t, std::optional<std::size_t>> subjects;
@@ -77,7 +78,8 @@ std::string name_of(const PowerComparison& comparison);
 
 // A table per delay: subjects needed for each comparison, by trials per modality.
 std::vector<ReportTable> power_tables(const PowerResult& result, const PowerOptions& options);
-// An object with what was asked, and `comparisons`; null where kMostPowerSubjects are not enough.
+// An object with what was asked, and `comparisons`; null where kMostPowerSubjects are not enough, or no
+// subject has a difference.
 nlohmann::ordered_json to_json(const PowerResult& result, const PowerOptions& options);
 // Throws Error (usage) if `out` holds a report or an earlier power.json.
 void refuse_other_report(const std::filesystem::path& out);

@@ -3,6 +3,7 @@
 
 #include "analysis/findings.hpp"
 #include "analysis/tables/study_columns.hpp"
+#include "analysis/text/html.hpp"
 #include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "common/text_file.hpp"
@@ -17,6 +18,10 @@ constexpr std::string_view kAtOnce =
 
 std::string needed_text(const std::optional<std::size_t>& subjects) {
     return subjects ? std::to_string(*subjects) : fmt::format("more than {}", kMostPowerSubjects);
+}
+
+std::string shown_difference(const PowerComparison& c) {
+    return c.difference ? shown_text(*c.difference, c.metric) : std::string(kDash);
 }
 
 std::string goal_text(const PowerOptions& options) {
@@ -84,7 +89,7 @@ nlohmann::ordered_json to_json(const PowerComparison& c, std::uint32_t trials) {
                                 {"first", c.first},
                                 {"second", c.second},
                                 {"delay_s", c.delay_s},
-                                {"difference", c.difference},
+                                {"difference", or_null(c.difference)},
                                 {"subjects_with_a_value", c.with_a_value},
                                 {"subjects", or_null(c.subjects.at(trials))}};
     for (const auto& [count, subjects] : c.subjects)
@@ -108,7 +113,7 @@ std::vector<ReportTable> power_tables(const PowerResult& result, const PowerOpti
         for (const PowerComparison& c : result.comparisons) {
             if (!same_delay(c.delay_s, delay_s)) continue;
             std::vector<std::string> row{fmt::format("{} - {}, {}", c.first, c.second, name_of(c.metric)),
-                                         shown_text(c.difference, c.metric), std::to_string(c.with_a_value)};
+                                         shown_difference(c), std::to_string(c.with_a_value)};
             for (auto it = c.subjects.rbegin(); it != c.subjects.rend(); ++it) {
                 if (table.rows.empty()) table.columns.push_back(std::to_string(it->first));
                 row.push_back(needed_text(it->second));

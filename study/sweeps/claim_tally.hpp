@@ -22,7 +22,7 @@ inline constexpr double kFragileBelow = 0.8;
 inline constexpr double kReproducedFrom = 0.9;
 
 enum class ClaimClass : std::uint8_t {
-    kNotJudged,   // its experiment was not run
+    kNotJudged,   // its experiment was not run, or by too few subjects for its test
     kReproduced,  // at the paper's own significance in at least kReproducedFrom of the studies
     kDirection,   // less often, but its direction in at least kReproducedFrom of them
     kLess,        // neither; or a claim without a direction that comes out less often
@@ -33,7 +33,7 @@ struct ClaimCount {
     Claim claim;  // as judged in the first study
     std::uint32_t studies = 0;
     std::uint32_t judged = 0;
-    bool had_trials = false;  // false: its experiment was not run
+    bool had_trials = false;  // false: not judged (ClaimClass)
     std::uint32_t reproduced = 0;
     std::uint32_t directed = 0;  // studies in which it had a direction
     std::uint32_t direction = 0;

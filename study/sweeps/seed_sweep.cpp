@@ -1,6 +1,8 @@
 #include "study/sweeps/seed_sweep.hpp"
 
+#include <algorithm>
 #include <optional>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -11,6 +13,7 @@
 #include "study/planned_table.hpp"
 #include "study/power/power.hpp"
 #include "study/study.hpp"
+#include "study/study_folder.hpp"
 #include "study/worker_pool.hpp"
 
 namespace thimble {
@@ -24,6 +27,11 @@ bool run_into(std::vector<TrialRow>& rows, const SystemSettings& settings,
         [&](std::size_t i) { return make_row(run_virtual_trial(settings, trials[i])); },
         [&](const TrialRow& row) { rows.push_back(row); }, ResultsGo::kToAll,
         [&] { return session_text(settings); });
+}
+
+bool too_few_subjects(const std::vector<Protocol>& protocols) {
+    return std::any_of(protocols.begin(), protocols.end(),
+                       [](const Protocol& protocol) { return protocol.subjects < kFewestJudged; });
 }
 
 // Nothing if it was stopped.
@@ -40,7 +48,21 @@ std::optional<std::vector<Claim>> judge_study(const SystemSettings& settings, co
     const bool complete = run_into(rows, settings, all_trials(protocols), options) &&
                           run_into(no_lag, without_lag(settings), no_lag_trials(protocols), options);
     if (!complete) return std::nullopt;
-    return judge_claims(rows, no_lag);
+    std::vector<Claim> claims = judge_claims(rows, no_lag);
+    // Trials of too few subjects are none for a claim with a test: no seed can make it come out.
+    if (too_few_subjects(protocols))
+        for (Claim& claim : claims) claim.had_trials = claim.had_trials && claim.reproduced.has_value();
+    return claims;
+}
+
+// The tables of an earlier study would pass for those of these studies.
+void remove_study(const std::filesystem::path& folder) {
+    const auto table = folder / "trials.csv";
+    std::error_code absent;
+    if (std::filesystem::exists(table, absent))
+        CsvFile(table, IfExists::kContinue);  // an Error if another program writes it
+    remove_file(table);
+    remove_earlier_results(folder);
 }
 
 }  // namespace
@@ -48,6 +70,7 @@ std::optional<std::vector<Claim>> judge_study(const SystemSettings& settings, co
 void claim_folder(const SweepOptions& options) {
     if (options.if_exists != IfExists::kReplace) refuse_other_report(options.out);
     make_folder(options.out);
+    if (options.if_exists == IfExists::kReplace) remove_study(options.out);
     for (const char* name : {"report.html", "claims.json", "vary.json"}) {
         std::filesystem::remove(options.out / name);
     }

@@ -107,6 +107,10 @@ class Sweep {
         ReportSection section;
         section.title = fmt::format("{} from {:g} to {:g}", variation.range.name(),
                                     variation.points.front().value, variation.points.back().value);
+        if (shown_claims(variation).empty()) {
+            section.text = claims_sentence({}) + ".";
+            return section;
+        }
         section.drawn = draw_survival(variation, options_.out);
         section.tables = {survival_table(variation)};
         return section;

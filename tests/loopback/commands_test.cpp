@@ -8,6 +8,7 @@
 
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
+#include "tests/unit/log/written_log.hpp"
 
 namespace thimble {
 namespace {
@@ -72,6 +73,59 @@ TEST(DoctorProgram, AsksForThePortsOfTheConditionsThatRunTogether) {
     expect_blocks(2, "");
     expect_blocks(1, "[protocol]\n");
     expect_blocks(1, "[handle]\ndevice = 'pointer'\n");
+}
+
+// Where thimble run would refuse them: keys and protection.
+TEST(DoctorProgram, AKeyThatIsNotThereAndAnUnprotectedNetworkAreFaults) {
+    const Folder folder;
+    const PortBlock ports;
+    const auto expect_fault = [&](int code, const std::string& session, const std::string& says,
+                                  const std::string& remedy) {
+        const Outcome outcome = run_doctor(folder.write("s.toml", kModest + session), ports.base());
+        EXPECT_EQ(outcome.code, code) << outcome.words;
+        const auto json = nlohmann::json::parse(outcome.words, nullptr, false);
+        ASSERT_TRUE(json.is_object()) << outcome.words;
+        EXPECT_EQ(finding_of(json, "protection")["severity"], "fault");
+        EXPECT_THAT(finding_of(json, "protection")["says"].get<std::string>(), HasSubstr(says));
+        EXPECT_THAT(finding_of(json, "protection")["remedy"].get<std::string>(), HasSubstr(remedy));
+    };
+    const auto with_key = [](const std::filesystem::path& file) {
+        return fmt::format("[security]\nmode = 'lab-key'\nkey_file = '{}'\n", file.string());
+    };
+    const auto key = folder / "lab.key";
+    expect_fault(2, with_key(key), "cannot read the lab key",
+                 fmt::format("thimble keygen '{}'", key.string()));
+    EXPECT_FALSE(std::filesystem::exists(key));
+    folder.write("lab.key", "no key\n");
+    std::filesystem::permissions(key, std::filesystem::perms::owner_read);
+    expect_fault(5, with_key(key), "holds no lab key", "ls -l '");
+    expect_fault(2, "[network]\nhost_slave_sim = '192.0.2.1'\n", "192.0.2.1", "thimble keygen");
+}
+
+TEST(DoctorProgram, OfAFileThatCannotBeReadTheRestIsOfTheDefaultSession) {
+    const Folder folder;
+    const PortBlock ports;
+    const Outcome outcome = run_doctor(folder.write("bad.toml", "[session]\nbogus = 1\n"), ports.base());
+    EXPECT_EQ(outcome.code, 2) << outcome.words;
+    const auto json = nlohmann::json::parse(outcome.words, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << outcome.words;
+    EXPECT_THAT(finding_of(json, "session")["says"].get<std::string>(), HasSubstr("session.bogus"));
+    EXPECT_THAT(finding_of(json, "session")["says"].get<std::string>(),
+                HasSubstr("the lines below are of the default session"));
+}
+
+// As of thimble check: the plug-in fails, not the file.
+TEST(DoctorProgram, APlugInThatFailsIsNoUsageError) {
+    const Folder folder;
+    const PortBlock ports;
+    const Outcome outcome =
+        run_doctor(folder.write("s.toml", fmt::format("{}[session]\nmodalities = ['HF']\n[handle]\ndevice = "
+                                                      "'force-dimension'\n[control]\nplugin = '{}/bad.so'\n"
+                                                      "[control.plugin_settings]\nfault_number = 1\n",
+                                                      kModest, THIMBLE_PLUGINS)),
+                   ports.base());
+    EXPECT_EQ(outcome.code, 1) << outcome.words;
+    EXPECT_THAT(outcome.words, HasSubstr("bad.so: crashed in sample()"));
 }
 
 TEST(SwarmProgram, DrawnSessionsKeepTheSafetyRules) {
@@ -188,6 +242,7 @@ TEST(CompensatorsProgram, GoesOnWithResumeAndTakesListsWithCommas) {
 
 TEST(CompensatorsProgram, InterruptedItKeepsItsTrialsAndNoPageOfAnEarlierComparison) {
     const Folder folder;
+    std::filesystem::create_directory(folder / "out");
     for (const char* file : {"report.html", "summary.json", "compensators.csv", "own.csv"})
         folder.write(fmt::format("out/{}", file), "of an earlier one\n");
     folder.write("out/compensator_trials.csv", "");
@@ -207,6 +262,30 @@ TEST(CompensatorsProgram, InterruptedItKeepsItsTrialsAndNoPageOfAnEarlierCompari
     for (const char* page : {"report.html", "summary.json", "compensators.csv"})
         EXPECT_FALSE(std::filesystem::exists(folder / "out" / page)) << page;
     EXPECT_TRUE(std::filesystem::exists(folder / "out/own.csv"));
+}
+
+// Of a receiver that was killed, as of one that began late.
+TEST(LogCheck, SaysWhatCameWithoutTheReceiversLog) {
+    const Folder folder;
+    const std::string sent = (folder / "sent.mcap").string(), received = (folder / "received.mcap").string();
+    WrittenLog{.messages = {{1, 10}, {2, 20}, {3, 30}}}.write(sent);
+    WrittenLog{.program = "thimble-slave-sim", .direction = "received", .messages = {{1, 11}}}.write(
+        received);
+    EXPECT_THAT(run_thimble({"log", "check", sent, received}).words,
+                HasSubstr("3 sent = 1 received + 0 lost + 2 before or after the receiver's log;"));
+}
+
+// Their trials would be run, and shown, twice.
+TEST(Lists, HoldEachValueOnce) {
+    const Folder folder;
+    for (const char* typed : {"compensators --delays-s 0.05,50ms", "power --delays-s 0,0.05,0.05",
+                              "sweep --delay-s 0,0.1,0", "sweep --gain 0.1,1,0.1", "sweep --jitter-s 0,0",
+                              "sweep --loss 0,0", "sweep --hand A,D,A", "sweep --compensators none,none"}) {
+        const Outcome outcome = run_thimble(words_in(typed, {"--out", (folder / "out").string()}));
+        EXPECT_EQ(outcome.code, 2) << typed << outcome.words;
+        EXPECT_THAT(outcome.words, HasSubstr("is given twice: leave one out")) << typed;
+        EXPECT_FALSE(std::filesystem::exists(folder / "out")) << typed;
+    }
 }
 
 // Each way to mistake one for the other, at each kind of reader and writer.

@@ -67,6 +67,8 @@ TEST_F(Sweeps, CountsWhatEachSeedJudges) {
         if (c.claim.id == "E1.mean.order") {
             EXPECT_EQ(c.judged, 0U);
         }
+        // Three subjects are too few for a test, which is no failure to reproduce.
+        EXPECT_EQ(c.classified() == ClaimClass::kNotJudged, c.claim.id != "E3.stable") << c.claim.id;
         if (c.claim.id != "E3.stable") continue;
         found = true;
         EXPECT_EQ(c.judged, 2U);
@@ -148,6 +150,24 @@ TEST_F(Sweeps, APointThatWasInterruptedIsNoPoint) {
     EXPECT_TRUE(result.variations.empty());
     EXPECT_EQ(lines("claims_vary.csv"), 1U);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "report.html"));
+}
+
+// Its trials beside the claims of others would pass for theirs.
+TEST_F(Sweeps, AReplacedStudyLeavesNothingBehind) {
+    std::filesystem::create_directories(folder_ / "figures");
+    const std::vector<std::string> results{"trials.csv",      "summary.json",    "findings.json",
+                                           "subjects.csv",    "figures/bars.gp", "figures/bars.tsv",
+                                           "figures/bars.svg"};
+    for (const std::string& file : results) std::ofstream(folder_ / file) << "a study's\n";
+    claim_folder(options_);  // not asked to replace
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "trials.csv"));
+    options_.if_exists = IfExists::kReplace;
+    {
+        const CsvFile written(folder_ / "trials.csv", IfExists::kContinue);
+        EXPECT_THROW(claim_folder(options_), Error);
+    }
+    claim_folder(options_);
+    for (const std::string& file : results) EXPECT_FALSE(std::filesystem::exists(folder_ / file)) << file;
 }
 
 TEST_F(Sweeps, AnotherReportIsNotReplacedUnasked) {
@@ -302,6 +322,7 @@ TEST_F(StudyFiles, AReplacedStudyLeavesNothingBehind) {
     for (const char* file : {"report.html", "summary.json", "control.csv"})
         EXPECT_FALSE(std::filesystem::exists(folder / file)) << file;
     EXPECT_TRUE(std::filesystem::is_empty(folder / "trajectories"));
+    EXPECT_TRUE(std::filesystem::is_empty(folder / "figures"));
 }
 
 // One subject is no sample: every comparison says how many are needed, and the study is whole.

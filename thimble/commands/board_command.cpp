@@ -136,7 +136,8 @@ void add_options(CLI::App& sub, BoardArguments& a) {
         ->delimiter(',')
         ->allow_extra_args(false)
         ->type_name("NAME,...");
-    sub.add_option("-s,--seed", a.seed, "seed of subjects, fixtures and networks")->capture_default_str();
+    as_session_seed(sub.add_option("-s,--seed", a.seed, "seed of subjects, fixtures and networks"))
+        ->capture_default_str();
     add_jobs_option(sub, a.jobs);
     add_resume_options(sub, a.if_exists, "board");
 }

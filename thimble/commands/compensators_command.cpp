@@ -96,6 +96,7 @@ bool run_all(const SystemSettings& settings, const CompensatorsArguments& a,
 // As typed, else as the session says, else those of the comparison.
 std::vector<CompensatorNetwork> networks_of(const SystemSettings& settings, const CompensatorsArguments& a) {
     std::vector<double> delays_s = a.delays_s;
+    refuse_twice("--delays-s", delays_s);
     if (delays_s.empty() && settings.plan.names_delays)
         for (const Duration delay : settings.plan.delays) delays_s.push_back(to_seconds(delay));
     return delays_s.empty() ? standard_networks() : plain_networks(delays_s);
@@ -189,8 +190,8 @@ Subcommand add_compensators(CLI::App& app) {
            "--trials", a.trials,
            "trials of each subject, condition and delay (default: [protocol] trials_per_modality, else 1)")
         ->check(CLI::Range(1, 1000));
-    sub->add_option("-s,--seed", a.seed,
-                    "seed of subjects, fixtures and networks (default: [session] seed, else 1)");
+    as_session_seed(sub->add_option(
+        "-s,--seed", a.seed, "seed of subjects, fixtures and networks (default: [session] seed, else 1)"));
     add_jobs_option(*sub, a.study.jobs);
     add_resume_options(*sub, a.if_exists, "comparison");
     sub->footer(
@@ -203,7 +204,7 @@ Subcommand add_compensators(CLI::App& app) {
         "  time s    completion time\n"
         "  K / true  stiffness that the hand feels, divided by the stiffness of the fixture\n"
         "  drift     distance between hand and needle, mm\n"
-        "  share     part of the force that reaches the hand\n"
+        "  share     scaled: part of the force for the hand, chosen for the delay\n"
         "Example:\n  thimble compensators --subjects 10 --out out/compensators\n"
         "Manual: docs/compensators.md");
     return {sub, [arguments] { return compare_compensators(*arguments); }, true};

@@ -40,6 +40,7 @@ Provenance provenance_of(const PowerArguments& a, const std::vector<SettingChang
 
 // As typed, else as the session says, else the paper's. Refuses what the session's network cannot have before a trial is run.
 void take_delays(PowerArguments& a, const SystemSettings& settings) {
+    refuse_twice("--delays-s", a.delays_s);
     if (!a.delays_s.empty()) {
         a.power.delays_s = a.delays_s;
     } else if (settings.plan.names_delays) {
@@ -109,9 +110,8 @@ void add_options(CLI::App& power, PowerArguments& a) {
                     "number of virtual subjects to simulate; studies are drawn from them")
         ->capture_default_str()
         ->check(CLI::Range(10, 100000));
-    power
-        .add_option("-s,--seed", a.power.seed,
-                    "seed of all random numbers; the same seed gives the same numbers")
+    as_session_seed(power.add_option("-s,--seed", a.power.seed,
+                                     "seed of all random numbers; the same seed gives the same numbers"))
         ->capture_default_str();
     add_jobs_option(power, a.power.jobs);
     power

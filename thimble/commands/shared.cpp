@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <fstream>
 #include <iostream>
+#include <limits>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/findings.hpp"
+#include "common/decimal_text.hpp"
 #include "common/error.hpp"
 #include "common/text_file.hpp"
 
@@ -49,6 +51,14 @@ CLI::Option* add_session_option(CLI::App& command, std::string& file, const std:
         if (option->count() > 0) file = find_session_file(file).string();
     });
     return option;
+}
+
+CLI::Option* as_session_seed(CLI::Option* option) {
+    return option->check([](const std::string& typed) {
+        constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max();
+        const bool too_large = parse_whole<std::uint64_t>(typed).value_or(0) > kMost;
+        return too_large ? fmt::format("'{}': a session's seed is at most {}", typed, kMost) : std::string();
+    });
 }
 
 void say_results(bool json, const std::filesystem::path& folder, const std::vector<TrialRow>& rows) {

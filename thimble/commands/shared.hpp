@@ -1,11 +1,13 @@
 // Shared by several commands: options, the programs beside this one, checks before a run, results.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "analysis/report/report.hpp"
+#include "common/error.hpp"
 #include "common/network_settings.hpp"
 #include "session/records/trial_table.hpp"
 #include "session/settings/system_settings.hpp"
@@ -42,6 +44,18 @@ std::filesystem::path output_file(const std::filesystem::path& out, const char* 
 
 // The argument for a session file. After parsing, `file` has the path of a session that was named.
 CLI::Option* add_session_option(CLI::App& command, std::string& file, const std::string& help);
+
+// --seed of a command whose sessions have it as [session] seed, which is below 2^63.
+CLI::Option* as_session_seed(CLI::Option* option);
+
+// Throws Error (usage) if a list holds a value twice: its trials would be run, and shown, twice.
+template <class Value>
+void refuse_twice(const char* option, std::vector<Value> values) {
+    std::sort(values.begin(), values.end());
+    const auto twice = std::adjacent_find(values.begin(), values.end());
+    if (twice != values.end())
+        throw Error(ExitCode::kUsage, "{}: {} is given twice: leave one out", option, *twice);
+}
 
 // Throws Error (usage): a device of a node on this machine for which this build has no driver (THIMBLE_DEVICES=OFF)
 // or program, or letters of [instructions] that the window's font lacks (where there are windows).

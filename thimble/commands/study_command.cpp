@@ -342,10 +342,10 @@ Subcommand add_study(CLI::App& app) {
             "folder of thimble fit: each subject is the person of this fit, with new random numbers in each "
             "trial")
         ->type_name("FIT");
-    study->add_option(
+    as_session_seed(study->add_option(
         "-s,--seed", a.seed,
         "seed of all random numbers (default: [session] seed, else 1); the same seed gives the same "
-        "bytes");
+        "bytes"));
     study->add_option("-o,--out", a.out, "folder for the results")
         ->default_val("out/study")
         ->type_name("FOLDER");

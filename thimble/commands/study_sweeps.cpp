@@ -1,5 +1,7 @@
 #include "thimble/commands/study_sweeps.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -17,9 +19,14 @@ int finish(const SweepOptions& options, bool complete, const std::string& what) 
 }
 
 void say(const ClaimTally& tally, const char* what) {
+    const auto& counts = tally.counts();
+    if (std::none_of(counts.begin(), counts.end(), [](const ClaimCount& c) { return c.had_trials; })) {
+        fmt::print("{}.\n", claims_sentence({}));
+        return;
+    }
     fmt::print("How often each claim is reproduced; fragile: in fewer than {:.0f} % of {}\n",
                100 * kFragileBelow, what);
-    for (const ClaimCount& c : tally.counts()) {
+    for (const ClaimCount& c : counts) {
         if (!c.had_trials) continue;
         fmt::print("{:>4.0f} % of {} {} {:<18} {}\n", 100 * c.fraction(), c.studies, what, c.claim.id,
                    c.fragile() ? "fragile: " + c.claim.claim : c.claim.claim);
@@ -27,6 +34,10 @@ void say(const ClaimTally& tally, const char* what) {
 }
 
 void say(const Variation& variation) {
+    if (shown_claims(variation).empty()) {
+        fmt::print("{}.\n", claims_sentence({}));
+        return;
+    }
     fmt::print("How often each claim is reproduced, in percent of the seeds\n{:<18}", variation.range.name());
     for (const VariedPoint& point : variation.points) fmt::print(" {:>7g}", point.value);
     fmt::print("\n");

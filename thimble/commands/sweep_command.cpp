@@ -10,6 +10,7 @@
 #include "study/maps/map_options.hpp"
 #include "study/ranks/ranks.hpp"
 #include "thimble/commands/commands.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {
@@ -74,8 +75,9 @@ void add_network_options(CLI::App& command, SweepArguments& a) {
     add(command, "--loss-burst", a.rest.mean_burst,
         "mean number of packets lost in a row; 1: independent losses")
         .check(CLI::Range(1.0, 1e6));
-    command.add_option("-s,--seed", a.seed,
-                       "seed of delays, losses and virtual subjects (default: [session] seed, else 1)");
+    as_session_seed(
+        command.add_option("-s,--seed", a.seed,
+                           "seed of delays, losses and virtual subjects (default: [session] seed, else 1)"));
 }
 
 void add_hold_options(CLI::App& command, SweepArguments& a) {
@@ -139,9 +141,19 @@ void refuse_unused(const CLI::App& command, const std::string& who) {
         refuse(option);
 }
 
+void refuse_equal_cells(const SweepArguments& a, const MapGrid& grid) {
+    refuse_twice("--hand", a.hands);
+    refuse_twice("--compensators", grid.compensators);
+    refuse_twice("--delay-s", grid.delays_s);
+    refuse_twice("--jitter-s", grid.jitters_s);
+    refuse_twice("--loss", grid.losses);
+    refuse_twice(a.gain.empty() ? "--contact-stiffness-N-per-m" : "--gain", grid.stiffness_N_per_m);
+}
+
 int run_sweep(const CLI::App& command, SweepArguments arguments) {
     refuse_unused(command, arguments.who);
     const MapGrid grid = grid_of(arguments);
+    refuse_equal_cells(arguments, grid);
     install_stop_signals();
     arguments.out = join_ranks(arguments.out).string();
     return run_map(arguments, grid);

@@ -210,6 +210,10 @@ TEST(Findings, AMeasureThatAModalityNeverReachesIsNamed) {
         if (row.conditions.modality == Modality::kHF) row.metrics.completion_time_s = std::nan("");
     }
     EXPECT_THAT(answer(findings_of(trials))[2], HasSubstr("HF has no completion time at 50 ms"));
+    // With one other modality there is no pair at all.
+    const auto two = both(only(trials, Modality::kHF), only(trials, Modality::kCF));
+    EXPECT_THAT(answer(findings_of(two))[2], HasSubstr("HF has no completion time at 50 ms"));
+    EXPECT_THAT(answer(findings_of(only(trials, Modality::kHF)))[2], Not(HasSubstr("completion time")));
 }
 
 TEST(Findings, AnswersNamePairsThatAreNotToldApart) {
@@ -256,6 +260,7 @@ TEST(Findings, WithoutTrialsNothingIsFound) {
     auto interrupted = rows(3);
     for (TrialRow& row : interrupted) row.reason = EndReason::kInterrupted;
     EXPECT_THAT(answer(findings_of(interrupted))[0], StartsWith("No trial ran to its end"));
+    EXPECT_EQ(answer({})[1], "No two modalities can be compared: no delay has measures of two modalities.");
     EXPECT_TRUE(finding_tables(findings_of(interrupted)).empty());
 }
 

@@ -196,7 +196,7 @@ TEST(Report, ATableThatWasChangedSinceIsRefused) {
         return write_combined_report(directory.path(), {}, directory / "report.html", "thimble report");
     };
     write_text(directory / "trials.csv", "a\n1\n");
-    write_summary({"Run", {}, {}}, directory / "summary.json");
+    write_summary({"Run", {}, {{kDesign, kUsersDesign}}, {}, RunTime{"wall"}}, directory / "summary.json");
     report_of();
     EXPECT_THAT(
         read_text(directory / "summary.json"),
@@ -206,6 +206,40 @@ TEST(Report, ATableThatWasChangedSinceIsRefused) {
     EXPECT_THAT(refusal(report_of), HasSubstr("trials.csv: was changed since summary.json was written"));
     std::filesystem::remove(directory / "trials.csv");
     EXPECT_THAT(refusal(report_of), HasSubstr("trials.csv: is gone"));
+}
+
+// Its page says of each folder how its trials were run.
+TEST(Report, AFolderOfAnotherCommandIsRefusedAndVirtualTimeNamed) {
+    const TemporaryDirectory directory;
+    const auto folder_of = [&](const std::string& name, const Provenance& provenance,
+                               const std::optional<RunTime>& time) {
+        std::filesystem::create_directory(directory / name);
+        write_summary({name, {}, provenance, {{"", {"One."}}}, time}, directory / name / "summary.json");
+        return directory / name;
+    };
+    const Provenance design{{kDesign, kUsersDesign}};
+    const auto wall = folder_of("wall", design, RunTime{"wall"}),
+               lock_step = folder_of("lock_step", design, RunTime{"lock-step"}),
+               virtual_run = folder_of("virtual", design, RunTime{"virtual"}),
+               study = folder_of("study", design, {}), other = folder_of("compensators", {}, {});
+    const auto report_of = [&](const std::filesystem::path& run, const std::filesystem::path& of_study) {
+        std::vector<std::string> titles;
+        for (const Answer& a : write_combined_report(run, of_study, directory / "report.html", ""))
+            titles.push_back(a.of);
+        return titles;
+    };
+    EXPECT_THAT(report_of(wall, study), testing::ElementsAre("Virtual study", "Real processes"));
+    EXPECT_THAT(report_of(lock_step, {}), testing::ElementsAre("Real processes"));
+    EXPECT_THAT(report_of(virtual_run, {}), testing::ElementsAre("Virtual time"));
+    for (const auto& [run, of_study] : {std::pair(study, std::filesystem::path{}),
+                                        {{}, wall},
+                                        {{}, virtual_run},
+                                        {other, {}},
+                                        {{}, other}}) {
+        EXPECT_THAT(refusal([&, &named = run, &as_study = of_study] { report_of(named, as_study); },
+                            ExitCode::kUsage),
+                    HasSubstr((run.empty() ? of_study : run).string() + ": thimble "));
+    }
 }
 
 TEST(Report, AgreementComparesTheSameTrials) {

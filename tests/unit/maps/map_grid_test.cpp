@@ -3,12 +3,16 @@
 
 #include <algorithm>
 #include <set>
+#include <sstream>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "study/maps/cells.hpp"
 #include "study/maps/map_options.hpp"
 #include "tests/unit/session/records.hpp"
@@ -113,6 +117,26 @@ TEST(MapCells, EveryRowHasTheHeadersColumns) {
     CellWriter writer(grid);
     for (const std::size_t cell : {0U, 6U, 12U})
         EXPECT_EQ(commas(writer.rows({cell, 1})), commas(cells_header())) << cell;
+}
+
+// The age of the position behind the acting force is known where the delay alone makes it.
+TEST(MapCells, AVirtualOperatorsEffectiveDelayIsEmptyWhereNothingMeasuresIt) {
+    MapGrid grid;
+    grid.who = MapOperator::kVirtual;
+    grid.hands = {{"virtual", {1, 0, 0}}};
+    grid.compensators = {"none", "CF"};
+    grid.jitters_s = {0, 0.005};
+    grid.losses = {0};
+    grid.delays_s = {0.01};
+    grid.stiffness_N_per_m = {100};
+    std::istringstream table(cells_header() + CellWriter(grid).rows({0, 3}));
+    std::vector<std::string> delays;
+    for (std::string line; std::getline(table, line);) {
+        std::vector<std::string_view> fields;
+        split_at(',', line, fields);
+        delays.emplace_back(fields.at(16));
+    }
+    EXPECT_THAT(delays, ElementsAre("effective_delay_s", "0.0105", "", ""));
 }
 
 }  // namespace

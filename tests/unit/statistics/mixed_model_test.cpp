@@ -62,5 +62,26 @@ TEST(MixedModel, RefusesWhatItCannotTell) {
     EXPECT_THROW(mixed_model(values, {{"short", {1}}}, {1, 1, 1, 2, 2, 2}), Error);
 }
 
+// Ten subjects with each of four modalities in the same order. Rounding hides that the columns depend on each other.
+TEST(MixedModel, RefusesAnOrderThatIsTheSameForAll) {
+    const auto model = [](bool same_order) {
+        MixedCase data{{"y", {}}, {{"intercept", {}}, {"trial", {}}, {"a", {}}, {"b", {}}, {"c", {}}}, {}};
+        for (std::size_t place = 0; place < 4; ++place) {
+            for (std::size_t subject = 0; subject < 10; ++subject) {
+                const std::size_t modality = same_order ? place : (place + subject) % 4;
+                data.group.push_back(subject);
+                data.values.values.push_back(static_cast<double>((7 * subject + 5 * place * place) % 11));
+                data.columns[0].values.push_back(1);
+                data.columns[1].values.push_back(static_cast<double>(place + 1) / 10);
+                for (std::size_t k = 1; k < 4; ++k)
+                    data.columns[k + 1].values.push_back(k == modality ? 1 : 0);
+            }
+        }
+        return mixed_model(data.values, data.columns, data.group);
+    };
+    EXPECT_THROW(model(true), Error);
+    EXPECT_LT(model(false).effects[1].standard_error, 100);
+}
+
 }  // namespace
 }  // namespace thimble

@@ -75,6 +75,15 @@ TEST(Power, ADrawnSubjectWithoutAValueIsMissingInItsStudy) {
     EXPECT_EQ(share_of_studies(pair, 80, options), 1.0);
 }
 
+// As HF's completion time where no trial with HF comes to its end. 0 would read as "no difference".
+TEST(Power, ADifferenceThatNobodyHasIsNoNumber) {
+    const PowerOptions options = small_pool();
+    PowerResult result;
+    result.comparisons.push_back({Metric::kCompletionTime, "HF", "CF", 0.05, {}, 0, {{1, {}}}, {}});
+    EXPECT_TRUE(to_json(result, options).at("comparisons")[0].at("difference").is_null());
+    EXPECT_EQ(power_tables(result, options).at(0).rows.at(0).at(1), kDash);
+}
+
 TEST(Power, AReportOfAnotherCommandStays) {
     const TemporaryDirectory folder;
     EXPECT_NO_THROW(refuse_other_report(folder.path()));

@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <sstream>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -117,6 +118,27 @@ TEST_F(StudyFolder, AnotherStudyIsNotGoneOnWith) {
     expect_kept(ExitCode::kUsage, "trials.csv:3", table());
     planned_.resize(1);
     EXPECT_THROW(resume(), Error);
+}
+
+TEST_F(StudyFolder, CurvesOnAnotherAxisAreNoOtherVersions) {
+    for (const auto& [grid, other, name] : {std::tuple{kContactGrid, kPercentGrid, "--axis contact"},
+                                            std::tuple{kPercentGrid, kContactGrid, "--axis percent"}}) {
+        const TemporaryDirectory directory;
+        const auto take = [](const TrialCurve&) {};
+        {
+            StudyTables tables(directory.path(), "trials", IfExists::kRefuse, planned_, take, grid);
+            tables.append(make_row(records_[0]), trial_curve(records_[0], grid));
+        }
+        const std::string said = refusal(
+            [&, &axis = other] {
+                StudyTables(directory.path(), "trials", IfExists::kContinue, planned_, take, axis);
+            },
+            ExitCode::kUsage);
+        EXPECT_NE(said.find(name), std::string::npos) << said;
+        EXPECT_EQ(
+            StudyTables(directory.path(), "trials", IfExists::kContinue, planned_, take, grid).rows().size(),
+            1U);
+    }
 }
 
 TEST_F(StudyFolder, AStudyOfAnotherSeedKeepsEveryByteWhateverItsCurvesAre) {
