@@ -282,7 +282,7 @@ TEST_F(LabKeyTest, ANodeWithAnotherKeyIsNamed) {
     const auto other_key = folder_ / "other.key";
     create_lab_key(other_key, system_random_bytes());
     SessionFile file;
-    file.peer_wait_s = 6;  // it passes
+    file.peer_wait_s = 2;  // it passes
     file.more = "[security]\nmode = 'lab-key'\n";
     const auto session = folder_.write("session.toml", file.text()).string();
     const StandingUnderKeys nodes(folder_, session, [&](const std::string& program) {

@@ -293,17 +293,17 @@ TEST(FilesAndFolders, AreToldApart) {
     const Folder folder;
     const std::string file = folder.write("file", "hi\n").string(), dir = (folder / "folder").string();
     std::filesystem::create_directory(dir);
-    for (const std::vector<std::string>& words :
-         {std::vector<std::string>{"study", "-n", "1", "--out", file},
-          {"study", "-n", "1", "--out", file + "/x"},
-          {"compensators", "--subjects", "1", "--only", "CF", "--delays-s", "0", "--out", file},
-          {"sweep", "--hand", "B", "--delay-s", "0:0.1:2", "--gain", "0.1:1:2", "--out", file},
-          {"run", "delay50", "--out", file},
-          {"keygen", file + "/lab.key"}}) {
+    const auto expect_a_folder = [&](const std::vector<std::string>& words) {
         const Outcome outcome = run_thimble(words);
         EXPECT_EQ(outcome.code, 2) << outcome.words;
         EXPECT_THAT(outcome.words, HasSubstr(file + ": is a file; name a folder")) << words[0];
+    };
+    for (const char* command : {"study -n 1", "study -n 1 --seeds 2", "study -n 1 --overwrite",
+                                "study -n 1 --resume", "compensators --subjects 1 --only CF --delays-s 0",
+                                "sweep --hand B --delay-s 0:0.1:2 --gain 0.1:1:2", "run delay50"}) {
+        for (const char* in_it : {"", "/x"}) expect_a_folder(words_in(command, {"--out", file + in_it}));
     }
+    expect_a_folder({"keygen", file + "/lab.key"});
     for (const std::vector<std::string>& words : {std::vector<std::string>{"study", dir},
                                                   {"run", dir},
                                                   {"check", dir},

@@ -54,7 +54,7 @@ TEST(EmergencyStop, BySignalToANode) {
     expect_end(run, 1, EndReason::kEmergencyStop, "SIGQUIT");
 }
 
-// Two conditions run side by side, each on ports of its own. A stop of thimble's terminal ends both.
+// Two conditions run side by side, each on ports of its own. A stop of thimble's terminal ends both, although it cannot be kept.
 TEST(EmergencyStop, EndsTheConditionsThatRunAtTheSameTime) {
     SessionFile session = SessionFile::endless();
     session.delays_s = "[0.0, 0.05]";
@@ -66,21 +66,14 @@ TEST(EmergencyStop, EndsTheConditionsThatRunAtTheSameTime) {
     };
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     ASSERT_TRUE(wait_until([&] { return begun("0ms") && begun("50ms"); })) << run.words();
+    std::filesystem::remove(std::getenv("THIMBLE_STOP_DIR"));
     run.launcher().signal(SIGQUIT);
     EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("it ends with this program, because it cannot be saved"));
+    ASSERT_FALSE(run.rows().empty()) << run.words();
     for (const TrialRow& row : run.rows()) EXPECT_EQ(row.reason, EndReason::kEmergencyStop);
     EXPECT_THAT(nodes_alive(run.base_port()), testing::IsEmpty());
     EXPECT_THAT(nodes_alive(run.base_port() + static_cast<int>(Port::kCount)), testing::IsEmpty());
-}
-
-TEST(EmergencyStop, WhoeverIsHeardByNobodyIsToldSo) {
-    const PortBlock ports;
-    const Outcome stop = thimble_stop({"--base-port", std::to_string(ports.base())});
-    EXPECT_EQ(stop.code, 3) << stop.words;
-    EXPECT_THAT(stop.words, HasSubstr("NOT been stopped"));
-    const Outcome release = thimble_stop({"--release", "--base-port", std::to_string(ports.base())});
-    EXPECT_EQ(release.code, 0) << release.words;
-    EXPECT_THAT(release.words, HasSubstr("nothing was stopped here"));
 }
 
 // Another user of the machine, or the answer of an earlier stop.
@@ -126,7 +119,9 @@ TEST(EmergencyStop, UnderALabKeyTheSessionFileIsNamedAndWithoutItNobodyClaimsToH
     RealRun run(session);
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const std::string port = std::to_string(run.base_port());
-    EXPECT_EQ(thimble_stop({"--base-port", port}).code, 3);
+    const Outcome unheard = thimble_stop({"--base-port", port});
+    EXPECT_EQ(unheard.code, 3) << unheard.words;
+    EXPECT_THAT(unheard.words, HasSubstr("NOT been stopped"));
     EXPECT_FALSE(run.launcher().poll()) << "it runs on";
     const std::string file = (run.out().parent_path() / "session.toml").string();
     const Outcome stop = thimble_stop({file, "--base-port", port});
@@ -139,12 +134,13 @@ TEST(EmergencyStop, UnderALabKeyTheSessionFileIsNamedAndWithoutItNobodyClaimsToH
 // While the programs are started: no trial begins.
 TEST(EmergencyStop, BeforeTheFirstTrial) {
     RealRun run(SessionFile::endless());
-    wait_until([&] { return run.words().find("round trip") != std::string::npos || run.launcher().poll(); });
+    ASSERT_TRUE(wait_until([&] { return run.words().find("round trip") != std::string::npos; }))
+        << run.words();
     run.launcher().signal(SIGQUIT);
-    EXPECT_EQ(run.end(), 1) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("Ctrl-\\"));
-    for (const TrialRow& row : run.rows()) EXPECT_EQ(row.reason, EndReason::kEmergencyStop);
+    expect_end(run, 1, EndReason::kEmergencyStop, "Ctrl-\\");
     EXPECT_FALSE(std::filesystem::is_empty(std::getenv("THIMBLE_STOP_DIR")));
+    if (!read_trajectory(run.trajectory_path(run.only_row().conditions)).samples.empty())
+        GTEST_SKIP() << "this machine paused for so long that the trial had begun before the stop";
 }
 
 // One program waits for this test, and the conductor of lock-step waits for that program.
@@ -162,18 +158,6 @@ TEST(EmergencyStop, InLockStepWhileTheProgramsStart) {
     folder.write("go_on", "");
     EXPECT_EQ(run.end(), 1) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("Ctrl-\\"));
-}
-
-// A stop that cannot be kept still stops, and its text says that it ends with the program.
-TEST(EmergencyStop, AStopThatCannotBeKeptIsSaid) {
-    RealRun run(SessionFile::endless());
-    ASSERT_TRUE(run.reaches_trial()) << run.words();
-    const std::filesystem::path stops = std::getenv("THIMBLE_STOP_DIR");
-    std::filesystem::remove(stops);
-    run.launcher().signal(SIGQUIT);
-    EXPECT_EQ(run.end(), 1) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("cannot be saved"));
-    EXPECT_EQ(run.rows().at(0).reason, EndReason::kEmergencyStop);
 }
 
 }  // namespace

@@ -163,9 +163,7 @@ TEST(LogRun, AFullDiskUnderANodesLogEndsTheTrial) {
 }
 
 TEST(LogRun, AFullDiskUnderATrajectoryEndsTheTrial) {
-    const Folder programs;
-    install_programs(programs / "bin");
-    RealRun run(endless_with("[log]\nmessages = \"none\"\n"), {}, programs / "bin");
+    RealRun run(endless_with("[log]\nmessages = \"none\"\n"));
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     // From now on the launcher's files may not be larger, and the trajectory is already.
     const rlimit room{8192, RLIM_INFINITY};

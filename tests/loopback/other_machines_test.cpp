@@ -278,7 +278,8 @@ TEST_P(OtherMachinesFailBy, OneMachineWhichIsNamed) {
 
 TEST_F(OtherMachinesFail, AStopThatComesWhileAMachineIsAwaitedIsKept) {
     RealRun run = start(session(kShared + "reach_s = 2\nmachine_slave_sim = 'mute'"));
-    wait_until([&] { return run.words().find("round trip") != std::string::npos || run.launcher().poll(); });
+    ASSERT_TRUE(wait_until([&] { return run.words().find("round trip") != std::string::npos; }))
+        << run.words();
     run.launcher().signal(SIGQUIT);
     expect_end(run, 3, "'mute', where thimble-slave-sim should run, does not answer");
     EXPECT_FALSE(fs::is_empty(std::getenv("THIMBLE_STOP_DIR")));

@@ -28,6 +28,8 @@ void freeze(pid_t pid, Duration duration) {
 TEST(Signals, CtrlCKeepsWhatWasRecorded) {
     RealRun run(SessionFile::endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
+    EXPECT_NO_THROW(UdpChannel(network_at(run.base_port()).at(Port::kSessionOrders), {"127.0.0.1", 0}))
+        << "without --monitor nobody listens for orders";
     run.launcher().signal(SIGINT);
     EXPECT_EQ(run.end(), 1) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("interrupted"));

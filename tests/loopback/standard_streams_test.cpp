@@ -151,27 +151,6 @@ TEST_F(Outputs, AReaderThatHasLeftGetsNoMessage) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "out/summary.json"));
 }
 
-TEST_F(Outputs, AFolderThatCannotBeMadeIsNamed) {
-    const std::string file = (folder_.write("file", "")).string();
-    const std::string session = session_.string();
-    for (const std::vector<std::string>& command :
-         {std::vector<std::string>{"study", "--experiment", "2", "--subjects", "1", "--out"},
-          {"study", "--experiment", "2", "--subjects", "1", "--seeds", "2", "--out"},
-          {"study", "--experiment", "2", "--subjects", "1", "--overwrite", "--out"},
-          {"study", "--experiment", "2", "--subjects", "1", "--resume", "--out"},
-          {"run", session, "--out"},
-          {"compensators", "--subjects", "1", "--only", "CF", "--delays-s", "0", "--out"}}) {
-        for (const char* in_the_way : {"", "/within"}) {
-            std::vector<std::string> with_folder = command;
-            with_folder.push_back(file + in_the_way);
-            const Outcome refused = run_thimble(with_folder);
-            EXPECT_EQ(refused.code, 2) << command[0] << ": " << refused.words;
-            EXPECT_THAT(refused.words, HasSubstr(file));
-            EXPECT_THAT(refused.words, Not(HasSubstr("unexpected")));
-        }
-    }
-}
-
 TEST_F(Outputs, ANameThatIsNoUtf8IsWrittenAsFarAsItGoes) {
     const std::string out = (folder_ / "caf\xe9").string();
     const Outcome study =

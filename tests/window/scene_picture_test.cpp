@@ -67,20 +67,18 @@ int needle_end(const Image& image) {
 }
 
 TEST_F(ScenePicture, BarIsAsLongAsTheForceSays) {
-    for (const auto& [width, height, scale] :
-         {std::tuple{800, 600, 1.0}, {1200, 900, 1.0}, {1200, 900, 1.5}}) {
-        for (const double force_N : {0.0, 1.5, 6.0, 11.9, 12.0, 30.0}) {
-            const Scene scene = seen(Modality::kVF, sample(0.03, 0.025, force_N));
-            const PictureSize size{width, height, scale};
-            const Picture::Bar bar = picture_of(scene, size).bar.value();
-            const Image image = picture(scene, width, height, scale);
-            const int y = static_cast<int>(bar.top + bar.height / 2);
-            const double full = 400 * scale;
-            EXPECT_NEAR(count(image, colours::kBar, y), std::min(force_N / 12, 1.0) * full, 2)
-                << force_N << " N, " << width << " wide, scale " << scale;
-            EXPECT_NEAR(count(image, colours::kBar, y) + count(image, colours::kBarGround, y), full, 2);
-        }
-    }
+    const auto expect_bar = [](double force_N, const PictureSize& size) {
+        const Scene scene = seen(Modality::kVF, sample(0.03, 0.025, force_N));
+        const Picture::Bar bar = picture_of(scene, size).bar.value();
+        const Image image = picture(scene, size.width, size.height, size.content_scale);
+        const int y = static_cast<int>(bar.top + bar.height / 2);
+        const double full = 400 * size.content_scale;
+        EXPECT_NEAR(count(image, colours::kBar, y), std::min(force_N / 12, 1.0) * full, 2)
+            << force_N << " N, " << size.width << " wide, scale " << size.content_scale;
+        EXPECT_NEAR(count(image, colours::kBar, y) + count(image, colours::kBarGround, y), full, 2);
+    };
+    for (const double force_N : {0.0, 1.5, 6.0, 11.9, 12.0, 30.0}) expect_bar(force_N, {800, 600, 1});
+    for (const double scale : {1.0, 1.5}) expect_bar(6, {1200, 900, scale});
 }
 
 TEST_F(ScenePicture, NeedleEndsAtTheSurfaceHoweverDeepItIs) {
