@@ -115,7 +115,7 @@ std::string correct_person(const std::filesystem::path& folder, const std::strin
                            const std::string& column, const std::string& given, const CorrectionNote& note) {
     const Dataset dataset = dataset_in(folder);
     const std::uint32_t participant = participant_named(name);
-    const std::string value = checked(column, given);
+    std::string value = checked(column, given);
     const std::string before = person_field(dataset, participant, column);
     if (before == value) throw Error(ExitCode::kUsage, "{} of {} is {} already", column, name, value);
     write_note(dataset, participant, column, before, value, note);
