@@ -30,12 +30,10 @@ DriveActuator::DriveActuator(const DriveSettings& settings, double force_limit_N
 }
 
 void DriveActuator::command(SessionTime now, Finger finger, double force_N) {
-    const bool worn = std::any_of(
-        settings_.fingers.begin(), settings_.fingers.end(),
-        [&](const FingerDevice& device) { return device.hand == hand_ && device.finger == finger; });
     finger_ = finger;
     force_N_ = finger == Finger::kNone ? 0 : shape_.shaped_N(force_N);
-    if (!worn && force_N_ > 0) fail(now, DriveFaultKind::kNoDevice, settings_.master.nodes.size());
+    if (force_N_ > 0 && !settings_.worn(hand_, finger))
+        fail(now, DriveFaultKind::kNoDevice, settings_.master.nodes.size());
 }
 
 void DriveActuator::release(SessionTime /*now*/) {

@@ -2,6 +2,7 @@
 // (docs/fingertip.md). (a) marks an assumption about devices of this kind, to be measured on yours.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -43,6 +44,12 @@ struct DriveSettings {
     double slack_margin_m = 0.003;
     PadParameters pad;
 
+    // This finger has drives.
+    bool worn(Hand hand, Finger finger) const {
+        return std::any_of(fingers.begin(), fingers.end(), [&](const FingerDevice& device) {
+            return device.hand == hand && device.finger == finger;
+        });
+    }
     // Pretension alone presses a finger with this force. It is no part of the felt force.
     double resting_N() const {
         return FingerGeometry(cable_angle_rad).normal_N({pretension_N, pretension_N, pretension_N});

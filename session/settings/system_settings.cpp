@@ -133,19 +133,15 @@ void check_agreement(const ConfigFile& file, const SystemSettings& s) {
 // Each trial presses the index finger while the needle goes in, and the thumb while it comes out.
 void check_drives(const ConfigFile& file, const SystemSettings& s) {
     if (s.cutaneous.device != FingertipDevice::kDrives) return;
-    const auto worn = [&](Hand hand, Finger finger) {
-        const auto& all = s.cutaneous.drives.fingers;
-        return std::any_of(all.begin(), all.end(), [&](const FingerDevice& device) {
-            return device.hand == hand && device.finger == finger;
-        });
-    };
+    const DriveSettings& drives = s.cutaneous.drives;
     for (const Modality modality : s.plan.modalities) {
         if (!s.cutaneous.presses(modality)) continue;
         const bool other = modality == Modality::kCCF;
         const Hand hand = other ? Hand::kOther : Hand::kActing;
-        if (worn(hand, Finger::kIndex) && worn(hand, Finger::kThumb)) continue;
-        const char* const key = worn(hand, Finger::kIndex) ? (other ? "other_thumb" : "acting_thumb")
-                                                           : (other ? "other_index" : "acting_index");
+        const bool index = drives.worn(hand, Finger::kIndex);
+        if (index && drives.worn(hand, Finger::kThumb)) continue;
+        const char* const key =
+            index ? (other ? "other_thumb" : "acting_thumb") : (other ? "other_index" : "acting_index");
         file.table("cutaneous")
             .table("drives")
             .fail(key,

@@ -30,7 +30,8 @@ struct SweepOptions {
     const std::atomic<bool>* stop = nullptr;
 };
 
-// Makes the folder of a sweep and removes an earlier report; one that is to be replaced with the study's tables. Throws Error (usage) if the report may not be replaced.
+// Makes the folder of a sweep and removes an earlier report. Where the report is to be replaced, the tables of an earlier study go as
+// well. Throws Error (usage) if it may not be replaced.
 void claim_folder(const SweepOptions& options);
 
 // A table of claims, a line as each is judged: `columns`, then id, reproduced, direction.
