@@ -35,11 +35,11 @@ std::string conditions_text(const SessionPlan& plan) {
                        fmt::join(modalities, ", "));
 }
 
-std::string run_text(const SystemSettings& settings) {
+std::string run_text(const SystemSettings& settings, const NetworkSettings& network) {
     const SessionPlan& plan = settings.plan;
     LaunchSettings launch = settings.launch;
     take_ros2_programs(settings, launch, false);
-    check_hosts(launch, network_of(settings.file.string(), 0));
+    check_hosts(launch, network);
     if (settings.protocol) {
         check_virtual_subject(settings);
         const std::uint32_t participant = std::max(1U, plan.subject);  // 0: --participant says it
@@ -99,11 +99,13 @@ void say_for_person(const SystemSettings& settings) {
 int check_config(const std::string& config) {
     const SystemSettings settings = load_system_settings(config);
     check_build(settings);
-    const bool paper = is_paper_session(settings.file);  // reads the file: if that fails, no command refuses
+    // These two read the file: if that fails, no command refuses.
+    const bool paper = is_paper_session(settings.file);
+    const NetworkSettings network = network_of(settings.file.string(), 0);
     for (const std::string& warning : named_modalities(settings.pages.instructions)) spdlog::warn(warning);
     if (const std::string warning = energy_warning(settings); !warning.empty()) spdlog::warn(warning);
     fmt::print("{}: no errors\n{}\n", config, conditions_text(settings.plan));
-    say("run", [&] { return run_text(settings); });
+    say("run", [&] { return run_text(settings, network); });
     say("study", [&] { return study_text(settings, paper); });
     if (settings.plan.kind == SubjectKind::kHuman) say_for_person(settings);
     return 0;
