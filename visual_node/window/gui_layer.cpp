@@ -6,6 +6,7 @@
 #include <cstring>
 #include <epoxy/gl.h>
 #include <imgui.h>
+#include <new>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,13 @@ constexpr float kText_px = 16;  // at content scale 1
 constexpr float kLargeText_px = 32;
 // Debian's fonts-dejavu-core. Without it ImGui's own font, of 13 pixels and thus coarse when enlarged.
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+
+// ImGui's own way asserts, or uses the null pointer, where no memory is left.
+[[maybe_unused]] const bool allocations_throw = [] {
+    ImGui::SetAllocatorFunctions([](std::size_t size, void*) { return ::operator new(size); },
+                                 [](void* memory, void*) { ::operator delete(memory); });
+    return true;
+}();
 
 ImVector<ImWchar> ranges_of(ImFontAtlas& atlas, const std::string& text) {
     ImFontGlyphRangesBuilder builder;
@@ -159,6 +167,8 @@ Fonts build_fonts(ImFontAtlas& atlas, double content_scale, const std::string& t
 }
 
 std::string undrawable(const std::string& text) {
+    const auto ascii = [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); };
+    if (std::all_of(text.begin(), text.end(), ascii)) return {};  // each font has these: nothing to draw
     ImFontAtlas atlas;
     const Fonts fonts = build_fonts(atlas, 0.5, text);
     std::vector<std::string> missing;
