@@ -6,8 +6,8 @@
 #include <cstring>
 #include <epoxy/gl.h>
 #include <imgui.h>
-#include <new>
 #include <set>
+#include <stb_truetype.h>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -30,13 +30,6 @@ constexpr float kText_px = 16;  // at content scale 1
 constexpr float kLargeText_px = 32;
 // Debian's fonts-dejavu-core. Without it ImGui's own font, of 13 pixels and thus coarse when enlarged.
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-
-// ImGui's own way asserts, or uses the null pointer, where no memory is left.
-[[maybe_unused]] const bool allocations_throw = [] {
-    ImGui::SetAllocatorFunctions([](std::size_t size, void*) { return ::operator new(size); },
-                                 [](void* memory, void*) { ::operator delete(memory); });
-    return true;
-}();
 
 ImVector<ImWchar> ranges_of(ImFontAtlas& atlas, const std::string& text) {
     ImFontGlyphRangesBuilder builder;
@@ -68,6 +61,30 @@ std::set<unsigned> characters_of(const std::string& text) {
     for (std::string_view rest = text; !rest.empty();) characters.insert(take_character(rest));
     return characters;
 }
+
+// The characters that add_font() finds. It draws no glyph for the answer: Debian's stb_truetype asserts where no memory is left.
+class FontCharacters {
+  public:
+    FontCharacters() {
+        try {
+            file_ = read_whole_file(kFont);
+        } catch (const Error&) {
+            return;
+        }
+        const auto* bytes = reinterpret_cast<const unsigned char*>(file_.data());
+        known_ = stbtt_InitFont(&font_, bytes, stbtt_GetFontOffsetForIndex(bytes, 0)) != 0;
+    }
+    bool has(unsigned character) const {
+        if (!known_) return character >= 0x20 && character <= 0xFF;  // ImGui's own font
+        return character <= IM_UNICODE_CODEPOINT_MAX &&
+               stbtt_FindGlyphIndex(&font_, static_cast<int>(character)) != 0;
+    }
+
+  private:
+    std::string file_;
+    stbtt_fontinfo font_{};
+    bool known_ = false;
+};
 
 // ImGui's own listener also calls that of the window.
 void hear(GLFWwindow* window, int key, int scancode, int action, int modifiers) {
@@ -148,36 +165,23 @@ bool GuiLayer::wants(const WindowEvent& event) const {
 
 void GuiLayer::fit_to_scale() {
     scale_ = window_->content_scale();
-    ImGui::GetIO().Fonts->Clear();
-    large_ = build_fonts(*ImGui::GetIO().Fonts, scale_, text_).large;
+    ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+    atlas.Clear();
+    const auto scale = static_cast<float>(scale_);
+    const ImVector<ImWchar> ranges = ranges_of(atlas, text_);  // the atlas points to them until it is built
+    add_font(atlas, kText_px * scale, ranges);
+    large_ = add_font(atlas, kLargeText_px * scale, ranges);
+    atlas.Build();
     ImGui::GetStyle() = ImGuiStyle{};
     ImGui::StyleColorsDark();
-    ImGui::GetStyle().ScaleAllSizes(static_cast<float>(scale_));
-}
-
-Fonts build_fonts(ImFontAtlas& atlas, double content_scale, const std::string& text) {
-    const auto scale = static_cast<float>(content_scale);
-    const ImVector<ImWchar> ranges =
-        ranges_of(atlas, text);  // the atlas keeps a pointer to them until it is built
-    Fonts fonts;
-    fonts.plain = add_font(atlas, kText_px * scale, ranges);
-    fonts.large = add_font(atlas, kLargeText_px * scale, ranges);
-    atlas.Build();
-    return fonts;
+    ImGui::GetStyle().ScaleAllSizes(scale);
 }
 
 std::string undrawable(const std::string& text) {
-    const auto ascii = [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); };
-    if (std::all_of(text.begin(), text.end(), ascii)) return {};  // each font has these: nothing to draw
-    ImFontAtlas atlas;
-    const Fonts fonts = build_fonts(atlas, 0.5, text);
+    const FontCharacters font;
     std::vector<std::string> missing;
-    for (const unsigned character : characters_of(text)) {
-        if (character == '\n') continue;
-        const bool known = character <= IM_UNICODE_CODEPOINT_MAX &&
-                           fonts.plain->FindGlyphNoFallback(static_cast<ImWchar>(character)) != nullptr;
-        if (!known) missing.push_back(fmt::format("U+{:04X}", character));
-    }
+    for (const unsigned character : characters_of(text))
+        if (character != '\n' && !font.has(character)) missing.push_back(fmt::format("U+{:04X}", character));
     return fmt::format("{}", fmt::join(missing, ", "));
 }
 

@@ -10,7 +10,6 @@
 #include "visual_node/window/gl_window.hpp"
 
 struct ImFont;
-struct ImFontAtlas;
 
 namespace thimble {
 
@@ -41,13 +40,6 @@ class GuiLayer : boost::noncopyable {
     ImFont* large_ = nullptr;
     double scale_ = 0;  // that fonts and style were made for
 };
-
-// The program's font: Latin-1, and of what lies beyond it the characters of `text`. The atlas is built with it.
-struct Fonts {
-    ImFont* plain = nullptr;
-    ImFont* large = nullptr;
-};
-Fonts build_fonts(ImFontAtlas& atlas, double content_scale, const std::string& text);
 
 // The characters of a text (UTF-8) that would be drawn as boxes, each once: "U+1F600, U+4E2D"; empty if there are none.
 std::string undrawable(const std::string& text);
