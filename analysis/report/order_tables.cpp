@@ -21,7 +21,9 @@ struct OrderData {
 };
 
 OrderData order_data(const StudyColumns& columns, Metric metric) {
-    OrderData data{{std::string(info(metric).name), {}}, {{"intercept", {}}, {"per ten trials", {}}}, {}};
+    OrderData data;  // filled in steps: in one nested initializer, g++ 12 frees twice where no memory is left
+    data.values.name = info(metric).name;
+    for (const char* column : {"intercept", "per ten trials"}) data.columns.push_back({column, {}});
     std::vector<StudyColumns::Condition> there;
     for (const StudyColumns::Condition& condition : columns.conditions())
         if (!columns.rows_of(condition).empty()) there.push_back(condition);
