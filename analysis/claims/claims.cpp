@@ -48,7 +48,8 @@ Claim judged(const PaperClaim& of, const Experiments& experiments) {
         return claim;
     }
     const std::size_t fewest = fewest_subjects(of, experiments);
-    if (of.has_test && fewest < kFewestJudged) {
+    claim.too_few = of.has_test && fewest < kFewestJudged;
+    if (claim.too_few) {
         claim.ours = fmt::format("not judged: {} subject{}, at least {} are needed", fewest,
                                  fewest == 1 ? "" : "s", kFewestJudged);
         return claim;

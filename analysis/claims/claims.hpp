@@ -36,6 +36,7 @@ struct Claim {
     std::optional<bool> direction = {};
     bool had_trials = false;  // false: its experiment was not run
     ClaimKind kind = ClaimKind::kResult;
+    bool too_few = false;  // its trials are of fewer subjects than its test needs
 
     bool counts() const { return kind == ClaimKind::kResult || kind == ClaimKind::kSize; }
 };

@@ -1,11 +1,13 @@
 // The part of the command line that all programs share.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/csv/csv_file.hpp"
+#include "common/error.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
@@ -30,6 +32,15 @@ void add_file_option(CLI::App& command, const char* name, std::string& file, con
 // Options that mean the same in every command. `work` names what --resume goes on with: "study".
 void add_jobs_option(CLI::App& command, unsigned& jobs);
 CLI::Option* add_resume_options(CLI::App& command, IfExists& if_exists, const std::string& work);
+
+// Throws Error (usage) if a list holds a value twice: what it stands for would be made, and shown, twice.
+template <class Value>
+void refuse_twice(const char* option, std::vector<Value> values) {
+    std::sort(values.begin(), values.end());
+    const auto twice = std::adjacent_find(values.begin(), values.end());
+    if (twice != values.end())
+        throw Error(ExitCode::kUsage, "{}: {} is given twice: leave one out", option, *twice);
+}
 
 // Completion in shells. A shell's script asks the program itself, so that both always agree.
 inline constexpr const char* kCompletedShells[] = {"bash", "zsh", "fish"};

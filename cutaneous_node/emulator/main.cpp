@@ -120,17 +120,9 @@ void refuse_wrong(const char* option, const std::string& wrong) {
     if (!wrong.empty()) throw Error(ExitCode::kUsage, "{} {} (--help lists the faults)", option, wrong);
 }
 
-void refuse_twins(std::vector<std::uint8_t> nodes) {
-    std::sort(nodes.begin(), nodes.end());
-    const auto twin = std::adjacent_find(nodes.begin(), nodes.end());
-    if (twin == nodes.end()) return;
-    throw Error(ExitCode::kUsage, "--nodes names node {} twice; each drive needs a node id of its own",
-                *twin);
-}
-
 int run_emulator(const EmulatorOptions& options) {
     const std::vector<std::uint8_t> nodes(options.nodes.begin(), options.nodes.end());
-    refuse_twins(nodes);
+    refuse_twice("--nodes", options.nodes);  // each drive needs a node id of its own
     const OpenBus open = open_bus_for(options);
     EmulatedDrives drives(nodes, PlantParameters{}, *open.bus);
     for (const std::string& fault : options.faults) {

@@ -14,7 +14,7 @@ namespace thimble {
 namespace {
 
 std::string fraction_text(const ClaimCount& c) {
-    if (!c.had_trials) return "not judged";
+    if (!c.judgeable) return "not judged";
     const ConfidenceInterval interval = c.interval();
     return fmt::format("{:.0f} % ({:.0f} to {:.0f})", 100 * c.fraction(), 100 * interval.low,
                        100 * interval.high);
@@ -39,7 +39,7 @@ const char* to_string(ClaimClass c) {
 ConfidenceInterval ClaimCount::interval() const { return wilson_interval(reproduced, studies); }
 
 ClaimClass ClaimCount::classified() const {
-    if (!had_trials) return ClaimClass::kNotJudged;
+    if (!judgeable) return ClaimClass::kNotJudged;
     if (interval().low >= kReproducedFrom) return ClaimClass::kReproduced;
     return directed > 0 && direction_interval().low >= kReproducedFrom ? ClaimClass::kDirection
                                                                        : ClaimClass::kLess;
@@ -57,7 +57,7 @@ void ClaimTally::add(const std::vector<Claim>& claims) {
     for (std::size_t i = 0; i < claims.size(); ++i) {
         ClaimCount& count = counts_[i];
         ++count.studies;
-        count.had_trials = count.had_trials || claims[i].had_trials;
+        count.judgeable = count.judgeable || (claims[i].had_trials && !claims[i].too_few);
         count.judged += claims[i].reproduced.has_value();
         count.reproduced += claims[i].reproduced.value_or(false);
         count.directed += claims[i].direction.has_value();
@@ -98,14 +98,14 @@ ReportTable tally_table(std::string title, const ClaimTally& tally, const std::s
 nlohmann::ordered_json to_json(const ClaimCount& count) {
     Claim over_all = count.claim;
     over_all.reproduced = over_all.direction = std::nullopt;
-    if (count.had_trials) over_all.reproduced = count.interval().low >= kReproducedFrom;
+    if (count.judgeable) over_all.reproduced = count.interval().low >= kReproducedFrom;
     if (count.directed > 0) over_all.direction = count.direction_interval().low >= kReproducedFrom;
     nlohmann::ordered_json entry = to_json(over_all);
     entry["class"] = to_string(count.classified());
     entry["studies"] = count.studies;
     entry["studies_judged"] = count.judged;
     entry["studies_reproduced"] = count.reproduced;
-    if (count.had_trials) {
+    if (count.judgeable) {
         entry["fraction"] = count.fraction();
         entry["interval"] = {count.interval().low, count.interval().high};
     }

@@ -33,7 +33,7 @@ struct ClaimCount {
     Claim claim;  // as judged in the first study
     std::uint32_t studies = 0;
     std::uint32_t judged = 0;
-    bool had_trials = false;  // false: not judged (ClaimClass)
+    bool judgeable = false;  // a study had trials of enough subjects for it
     std::uint32_t reproduced = 0;
     std::uint32_t directed = 0;  // studies in which it had a direction
     std::uint32_t direction = 0;
@@ -43,7 +43,7 @@ struct ClaimCount {
     double direction_fraction() const { return directed > 0 ? static_cast<double>(direction) / studies : 0; }
     ConfidenceInterval interval() const;            // of fraction(), Wilson, 95 %; studies > 0
     ConfidenceInterval direction_interval() const;  // likewise
-    bool fragile() const { return had_trials && fraction() < kFragileBelow; }
+    bool fragile() const { return judgeable && fraction() < kFragileBelow; }
     ClaimClass classified() const;
 };
 

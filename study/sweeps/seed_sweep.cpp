@@ -1,6 +1,5 @@
 #include "study/sweeps/seed_sweep.hpp"
 
-#include <algorithm>
 #include <optional>
 #include <system_error>
 
@@ -29,11 +28,6 @@ bool run_into(std::vector<TrialRow>& rows, const SystemSettings& settings,
         [&] { return session_text(settings); });
 }
 
-bool too_few_subjects(const std::vector<Protocol>& protocols) {
-    return std::any_of(protocols.begin(), protocols.end(),
-                       [](const Protocol& protocol) { return protocol.subjects < kFewestJudged; });
-}
-
 // Nothing if it was stopped.
 std::optional<std::vector<Claim>> judge_study(const SystemSettings& settings, const SweepOptions& options,
                                               std::uint64_t seed) {
@@ -48,11 +42,7 @@ std::optional<std::vector<Claim>> judge_study(const SystemSettings& settings, co
     const bool complete = run_into(rows, settings, all_trials(protocols), options) &&
                           run_into(no_lag, without_lag(settings), no_lag_trials(protocols), options);
     if (!complete) return std::nullopt;
-    std::vector<Claim> claims = judge_claims(rows, no_lag);
-    // Trials of too few subjects are none for a claim with a test: no seed can make it come out.
-    if (too_few_subjects(protocols))
-        for (Claim& claim : claims) claim.had_trials = claim.had_trials && claim.reproduced.has_value();
-    return claims;
+    return judge_claims(rows, no_lag);
 }
 
 // The tables of an earlier study would pass for those of these studies.

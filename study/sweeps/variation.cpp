@@ -130,7 +130,7 @@ std::vector<std::size_t> shown_claims(const Variation& variation) {
     std::vector<std::size_t> indices;
     const auto& claims = variation.points.front().tally.counts();
     for (std::size_t i = 0; i < claims.size(); ++i) {
-        if (claims[i].had_trials) indices.push_back(i);
+        if (claims[i].judgeable) indices.push_back(i);
     }
     return indices;
 }

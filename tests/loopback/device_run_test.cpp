@@ -108,7 +108,7 @@ TEST(DriveRun, TheEmulatorRefusesTwoDrivesOfOneNode) {
     const Outcome refused =  // the wrong fault would end it, too
         run_to_end(built_programs() / "thimble-drive-emulator", {"--nodes", "3,1,3", "--fault", "none"});
     EXPECT_EQ(refused.code, 2) << refused.words;
-    EXPECT_THAT(refused.words, HasSubstr("--nodes names node 3 twice"));
+    EXPECT_THAT(refused.words, HasSubstr("--nodes: 3 is given twice"));
 }
 
 // The drives are here, so that what the program leaves behind shows before any drive misses a heartbeat.

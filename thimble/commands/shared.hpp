@@ -1,7 +1,6 @@
 // Shared by several commands: options, the programs beside this one, checks before a run, results.
 #pragma once
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -47,15 +46,6 @@ CLI::Option* add_session_option(CLI::App& command, std::string& file, const std:
 
 // --seed of a command whose sessions have it as [session] seed, which is below 2^63.
 CLI::Option* as_session_seed(CLI::Option* option);
-
-// Throws Error (usage) if a list holds a value twice: its trials would be run, and shown, twice.
-template <class Value>
-void refuse_twice(const char* option, std::vector<Value> values) {
-    std::sort(values.begin(), values.end());
-    const auto twice = std::adjacent_find(values.begin(), values.end());
-    if (twice != values.end())
-        throw Error(ExitCode::kUsage, "{}: {} is given twice: leave one out", option, *twice);
-}
 
 // Throws Error (usage): a device of a node on this machine for which this build has no driver (THIMBLE_DEVICES=OFF)
 // or program, or letters of [instructions] that the window's font lacks (where there are windows).

@@ -20,14 +20,14 @@ int finish(const SweepOptions& options, bool complete, const std::string& what) 
 
 void say(const ClaimTally& tally, const char* what) {
     const auto& counts = tally.counts();
-    if (std::none_of(counts.begin(), counts.end(), [](const ClaimCount& c) { return c.had_trials; })) {
+    if (std::none_of(counts.begin(), counts.end(), [](const ClaimCount& c) { return c.judgeable; })) {
         fmt::print("{}.\n", claims_sentence({}));
         return;
     }
     fmt::print("How often each claim is reproduced; fragile: in fewer than {:.0f} % of {}\n",
                100 * kFragileBelow, what);
     for (const ClaimCount& c : counts) {
-        if (!c.had_trials) continue;
+        if (!c.judgeable) continue;
         fmt::print("{:>4.0f} % of {} {} {:<18} {}\n", 100 * c.fraction(), c.studies, what, c.claim.id,
                    c.fragile() ? "fragile: " + c.claim.claim : c.claim.claim);
     }

@@ -54,6 +54,15 @@ TEST(ClaimTally, WithoutADirectionThereIsOnlyTheFraction) {
     EXPECT_FALSE(to_json(count).contains("direction_fraction"));
 }
 
+TEST(ClaimTally, TooFewSubjectsSayNothing) {
+    ClaimTally tally;
+    Claim few = claim({}, {});
+    few.too_few = true;
+    tally.add({few});
+    EXPECT_EQ(tally.counts()[0].classified(), ClaimClass::kNotJudged);
+    EXPECT_FALSE(tally.counts()[0].fragile());
+}
+
 TEST(ClaimTally, AnExperimentThatWasNotRunSaysNothing) {
     ClaimTally tally;
     tally.add({claim({}, {}, false)});
