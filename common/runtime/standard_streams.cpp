@@ -158,6 +158,7 @@ void write_stderr(std::string_view words) { stderr_queue()->add(words); }
 bool stderr_written_within(Duration limit) { return stderr_queue()->empty_within(limit); }
 
 void log_to_stderr(const std::string& program) {
+    stderr_queue();  // before there are threads: a child that is forked while one makes it waits for ever
     spdlog::set_default_logger(std::make_shared<spdlog::logger>(program, std::make_shared<WordsSink>()));
     spdlog::set_pattern("%n: %^%l%$: %v");
 }
